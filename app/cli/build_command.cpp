@@ -30,7 +30,6 @@
 #include "core/topology/stored_topology.h"
 #include "preprocess/build_index.h"
 #include "preprocess/resume/build_checkpoints.h"
-#include "preprocess/volume_planes.h"
 
 namespace isoslider::cli {
 namespace {
@@ -270,9 +269,8 @@ private:
         options.memoryBytes = memoryLeft();
         options.scratch = topology::scratchPathOf(indexPath_);
         options.scratchProblem = &built.scratchProblem;
-        topology::PlaneSource planes = preprocess::planesOf(source);
-        if (reader.value()->info().kind == index::IndexKind::Metacells) // decoded faster than most files are read
-            planes = topology::planesOf(*reader.value());
+        const topology::PlaneSource planes =
+            topology::planesOf(*reader.value()); // decoded faster than most files are read
         const index::IndexInfo& info = reader.value()->info();
         auto plan = topology::planMeasures(planes, info.min, info.max, job);
         if (!plan.isOk())
@@ -280,7 +278,7 @@ private:
         options.measures = std::move(plan).value();
         const auto curve = analysed(planes, options, job);
         if (!curve.isOk() && curve.error().code == ErrorCode::OutOfSpace) { // memory
-            built.topologyProblem = curve.error().message + "; " + otherWay(info.kind);
+            built.topologyProblem = curve.error().message + "; " + kOtherWay;
             return {};
         }
         if (!curve.isOk())
@@ -302,12 +300,8 @@ private:
         const std::uint64_t resident = std::max(residentBytes(), kProgramBytes);
         return memoryBytes_ + kProgramBytes - std::min(resident, memoryBytes_ + kProgramBytes);
     }
-    static const char* otherWay(index::IndexKind kind) {
-        return kind == index::IndexKind::Metacells
-                   ? "\"isoslider-cli topology INDEX\" adds what is missing, where there is enough, or a build with more "
-                     "--memory"
-                   : "a build with more --memory adds what is missing";
-    }
+    static constexpr const char* kOtherWay =
+        "\"isoslider-cli topology INDEX\" adds what is missing, where there is enough, or a build with more --memory";
 
     std::string textOf(const Built& built) const {
         const preprocess::BuildReport& report = built.report;
@@ -324,7 +318,7 @@ private:
         else if (withTopology_ && !built.hasEvents)
             text += fmt::format("topology without events and persistence, which take more memory: counts at {} "
                                 "isovalues and curves in {:.2f} s; {}{}\n",
-                                built.events, built.topologySeconds, otherWay(report.info.kind),
+                                built.events, built.topologySeconds, kOtherWay,
                                 built.scratchProblem.empty() ? "" : "; no temporary file: " + built.scratchProblem);
         else if (withTopology_)
             text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,

@@ -66,8 +66,7 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     Extracted extracted{{}, sourceOf(info, path), {}, {}, {}};
     if (lodError.isGiven()) {
         const extract::MergeBound bound = extract::boundOf(lodError.error, info.min, info.max);
-        if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
-            return set.error();
+        engine.value()->setMergeBound(bound);
     }
     const auto move = engine.value()->slideTo(isovalue, job.part(0.0, 0.5));
     if (!move.isOk())

@@ -90,8 +90,7 @@ public:
                 "--export", [this](const std::string& text) { pattern_ = patternOrThrow(text); },
                 "mesh of each step, as 'out_%04d.ply'")
             ->type_name("PATTERN");
-        addLodError(*command, lodError_,
-                    "merge cells that differ by no more: % of the value range, or c (cells); of metacells");
+        addLodError(*command, lodError_, "merge cells that differ by no more: % of the value range, or c (cells)");
         return command;
     }
 
@@ -111,8 +110,7 @@ public:
         if (lodError_.isGiven()) {
             const index::IndexInfo& info = engine.value()->info();
             const extract::MergeBound bound = extract::boundOf(lodError_.error, info.min, info.max);
-            if (const Status set = engine.value()->setMergeBound(bound); !set.isOk())
-                return set.error();
+            engine.value()->setMergeBound(bound);
         }
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
         ISO_CLI_TRY(slide(*engine.value(), session));

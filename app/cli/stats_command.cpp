@@ -31,10 +31,7 @@ Json jsonOf(const index::IndexInfo& info) {
         json["lod_error"] = optionText(extract::builtError(info));
     json["index_bytes"] = info.indexBytes;
     json["bytes_per_voxel"] = bytesPerPoint(info, info.indexBytes);
-    json["sample_bytes"] = hasSampleChunks(info) ? info.chunkBytes : 0;
-    json["normal_bytes"] = hasNormalChunks(info) ? info.chunkBytes : 0;
-    json["hidden_corners"] = info.hiddenCorners;
-    json["hidden_corner_bytes"] = info.hiddenCornerBytes;
+    json["sample_bytes"] = info.chunkBytes;
     json["levels"] = levelsJson(info);
     return json;
 }
@@ -57,11 +54,8 @@ std::string textOf(const index::IndexInfo& info) {
                         !isEdges                ? "bricks"
                         : info.mergeError > 0.0 ? "entries"
                                                 : "edges");
-    if (isEdges)
-        text += fmt::format("  hidden corners        {}, {} bytes\n", info.hiddenCorners, info.hiddenCornerBytes);
-    if (hasSampleChunks(info) || hasNormalChunks(info))
-        text += fmt::format("  {:<21} {} bytes, {:.2f} bytes per voxel\n", isEdges ? "normals" : "samples",
-                            info.chunkBytes, bytesPerPoint(info, info.chunkBytes));
+    text += fmt::format("  samples               {} bytes, {:.2f} bytes per voxel\n", info.chunkBytes,
+                        bytesPerPoint(info, info.chunkBytes));
     text += fmt::format("  index                 {} bytes, {:.2f} bytes per voxel\n\n", info.indexBytes,
                         bytesPerPoint(info, info.indexBytes));
     text += fmt::format("{:>5} {:>12} {:>14} {:>14} {:>14} {:>14} {:>11}\n", "level", "blocks",

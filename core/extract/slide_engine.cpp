@@ -8,7 +8,6 @@
 #include "core/extract/live/live_surface.h"
 #include "core/extract/pieces/piece_tracker.h"
 #include "core/extract/sources/brick_source.h"
-#include "core/extract/sources/edge_block_source.h"
 #include "core/extract/sources/memory_samples.h"
 #include "core/extract/sources/stored_samples.h"
 
@@ -21,18 +20,6 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 
 /// What an engine stands on: a reader, and samples where the source needs some. Points of bricks that have left are
 /// kept within the bound on caches.
-template <class Sample>
-struct IndexBacking {
-    using Source = EdgeBlockSource<Sample>;
-    std::unique_ptr<index::IndexReader> reader;
-    Source source;
-    static constexpr bool kIsIndex = true;
-    static constexpr std::uint64_t keptPointBytes = 0; // edges bring the points of their ends only
-
-    IndexBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : reader(std::move(opened)), source(*reader, options.cacheBytes.value_or(kIndexCacheBytes)) {}
-};
-
 template <class Sample>
 struct MemoryBacking {
     using Source = BrickSource<Sample>;
@@ -60,17 +47,21 @@ struct StoreBacking {
     Source source;
     std::uint64_t keptPointBytes;
     static constexpr bool kIsIndex = true;
-    static constexpr std::uint64_t kListShare = 8; // of the cache: the list of bricks is small
-    static constexpr std::uint64_t kPointsShare = 4; // at least; and what samples leave, up to half of the cache
+    static constexpr std::uint64_t kPointsShare = 4; // of the cache, at least; and what samples leave, up to half of it
+    static std::uint64_t listBytes(const index::IndexReader& reader, std::uint64_t cacheBytes) {
+        return cacheBytes / (reader.info().kind == index::IndexKind::Edges ? 2 : 8); // a list of bricks is small
+    }
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
         : StoreBacking(std::move(opened), options.cacheBytes.value_or(kIndexCacheBytes)) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
         : reader(std::move(opened)),
-          samples(*reader, cacheBytes - cacheBytes / kListShare - cacheBytes / kPointsShare),
-          source(*reader, samples, cacheBytes / kListShare),
-          keptPointBytes(std::clamp(cacheBytes - std::min(cacheBytes, cacheBytes / kListShare + samples.mostBytes()),
-                                    cacheBytes / kPointsShare, cacheBytes / 2)) {}
+          samples(*reader, cacheBytes - listBytes(*reader, cacheBytes) - cacheBytes / kPointsShare),
+          source(*reader, samples, listBytes(*reader, cacheBytes),
+                 boundOf(builtError(reader->info()), reader->info().min, reader->info().max)),
+          keptPointBytes(
+              std::clamp(cacheBytes - std::min(cacheBytes, listBytes(*reader, cacheBytes) + samples.mostBytes()),
+                         cacheBytes / kPointsShare, cacheBytes / 2)) {}
 };
 
 template <class Backing>
@@ -87,6 +78,7 @@ public:
           position_(backing_.source.lowest()),
           wantedBound_(boundOf(builtError(meta().info), meta().info.min, meta().info.max)),
           mergeBound_(wantedBound_) {
+        backing_.source.setMergeBound(wantedBound_);
         backing_.source.setBuildsLevels(options.buildsLevels);
         surface_.keepPoints(backing_.keptPointBytes);
         surface_.setSlack(backing_.keptPointBytes / 4);
@@ -105,28 +97,14 @@ public:
         }
     }
 
-    bool canMerge() const override { return backing_.source.canMerge(); }
     MergeBound mergeBound() const override { return mergeBound_; }
-    Status setMergeBound(const MergeBound& bound) override {
-        if (!canMerge()) {
-            if (bound == wantedBound_ || (!(bound.limit > 0.0) && !(wantedBound_.limit > 0.0)))
-                return {};
-            return makeError(
-                ErrorCode::InvalidArgument,
-                wantedBound_.limit > 0.0
-                    ? "an index of edges merges cells within the error it was built with, no other"
-                    : "an index of edges without merged cells; build it with an error, or one of metacells",
-                backing_.reader->pathString());
-        }
+    void setMergeBound(const MergeBound& bound) override {
         backing_.source.setMergeBound(bound);
         wantedBound_ = bound;
-        return {};
     }
 
-    bool canBound() const override { return backing_.source.canBound(); }
     std::optional<BrickBox> region() const override { return region_; }
     void setRegion(const std::optional<BrickBox>& region) override {
-        ISO_CHECK(canBound() || !region);
         backing_.source.setRegion(region);
         wantedRegion_ = region;
     }
@@ -285,11 +263,8 @@ Result<std::unique_ptr<SlideEngine>> SlideEngine::open(const std::filesystem::pa
         return std::move(reader).error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<SlideEngine>> {
-        if (reader.value()->info().kind == index::IndexKind::Metacells)
-            return std::unique_ptr<SlideEngine>(
-                std::make_unique<Engine<StoreBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
         return std::unique_ptr<SlideEngine>(
-            std::make_unique<Engine<IndexBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
+            std::make_unique<Engine<StoreBacking<decltype(sample)>>>(options, std::move(reader).value(), options));
     });
 }
 

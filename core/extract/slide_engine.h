@@ -62,23 +62,17 @@ public:
     /// but the last, and the next move begins from there.
     virtual Result<SlideStats> slideTo(double isovalue, const JobControl& job = {}) = 0;
 
-    /// Whether the error within which cells are merged can be chosen: not of an index of edges, which has them merged
-    /// as it was built, if at all.
-    virtual bool canMerge() const = 0;
     /// Of the surface as it is.
     virtual MergeBound mergeBound() const = 0;
     /// From the next move on, cells are merged within the bound (PAPER 2.2), to the size of a brick at most; the
-    /// surface is then extractMerged()'s. Errors: InvalidArgument if it is not canMerge(), unless the bound is none, or
-    /// that of the index.
-    virtual Status setMergeBound(const MergeBound& bound) = 0;
+    /// surface is then extractMerged()'s. Until then within that which the index was built with.
+    virtual void setMergeBound(const MergeBound& bound) = 0;
 
-    /// Whether a region can be chosen: not of an index of edges.
-    virtual bool canBound() const = 0;
     /// In which the surface is as it stands; none: in all of the volume.
     virtual std::optional<BrickBox> region() const = 0;
     /// From the next move on, the surface has whole bricks of the region and nothing else: a move costs what changes
     /// there. To merged cells of bricks at its border, what lies beyond is as fine as the grid. The first move after it
-    /// looks at all active bricks. REQUIRES: canBound(), unless it is none.
+    /// looks at all active bricks.
     virtual void setRegion(const std::optional<BrickBox>& region) = 0;
 
     /// Waits until nothing is read ahead any more, and no level is built.

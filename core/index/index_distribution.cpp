@@ -100,7 +100,7 @@ Result<ValueDistribution> distributionAs(const IndexReader& reader, std::uint64_
 
 Result<ValueDistribution> distributionOf(const IndexReader& reader, std::uint64_t mostSamples, const JobControl& job) {
     const IndexInfo& info = reader.info();
-    if (info.kind != IndexKind::Metacells)
+    if (!hasSampleChunks(info))
         return isoslider::distributionOf(info.histogram, info.type);
     return visitScalarType(info.type,
                            [&](auto sample) { return distributionAs<decltype(sample)>(reader, mostSamples, job); });

@@ -7,9 +7,9 @@
 
 namespace isoslider::index {
 
-/// Of the samples of an index of metacells: of all, if they are at most `mostSamples`, and otherwise of about that
-/// many, in chunks spread over the volume. An index of edges holds no samples: then as far as its histogram tells.
-/// Reads and decodes the chunks once per pass; memory below 8 MB a thread. Errors: IoError, Corruption, Cancelled.
+/// Of the samples of an index: of all, if they are at most `mostSamples`, and otherwise of about that many, in chunks
+/// spread over the volume. Of a list of bricks, which has none, as far as its histogram tells. Reads and decodes the
+/// chunks once per pass; memory below 8 MB a thread. Errors: IoError, Corruption, Cancelled.
 Result<ValueDistribution> distributionOf(const IndexReader& reader, std::uint64_t mostSamples,
                                          const JobControl& job = {});
 

@@ -92,13 +92,6 @@ Error inPage(const IndexReader& reader, SkipLevel level, std::size_t page, Error
                  isovalues ? textOf(*isovalues) : "");
 }
 
-Error inHiddenPage(const IndexReader& reader, std::size_t page, Error error) {
-    const HiddenPageEntry& entry = reader.meta().hiddenPages[page];
-    error.offset = entry.offset;
-    return named(std::move(error), "page " + std::to_string(page) + " of hidden corners",
-                 textOf(boxOfBricks(reader.grid(), entry.firstBrick, entry.lastBrick)));
-}
-
 Error inChunk(const IndexReader& reader, ChunkIndex chunk, Error error) {
     return named(std::move(error), "chunk " + std::to_string(chunk.number()),
                  textOf(boxOfChunks(reader.info().geometry.dims, chunk, chunk)));

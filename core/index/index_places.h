@@ -38,7 +38,6 @@ std::string problemOf(std::string_view message);
 /// The error that reading a part has ended with, with the part's name, what it concerns, and its offset: "page 12 of
 /// level 0 (isovalues 3 to 5) fails its checksum".
 Error inPage(const IndexReader& reader, SkipLevel level, std::size_t page, Error error);
-Error inHiddenPage(const IndexReader& reader, std::size_t page, Error error);
 Error inChunk(const IndexReader& reader, ChunkIndex chunk, Error error);
 Error inChunkGroup(const IndexReader& reader, std::uint64_t group, Error error);
 

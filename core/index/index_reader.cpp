@@ -45,10 +45,6 @@ Status IndexReader::readPage(const PageEntry& page, std::vector<std::byte>& byte
     return readPart(page.offset, page.bytes, page.checksum, bytes);
 }
 
-Status IndexReader::readPage(const HiddenPageEntry& page, std::vector<std::byte>& bytes) const {
-    return readPart(page.offset, page.bytes, page.checksum, bytes);
-}
-
 Status IndexReader::readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum,
                              std::vector<std::byte>& bytes) const {
     bytes.resize(size);

@@ -29,7 +29,6 @@ public:
 
     /// One page's bytes into `bytes`, its checksum verified. Errors: IoError, Corruption.
     Status readPage(const PageEntry& page, std::vector<std::byte>& bytes) const;
-    Status readPage(const HiddenPageEntry& page, std::vector<std::byte>& bytes) const;
     /// Any other part that has a place, a size and a checksum; likewise.
     Status readPart(std::uint64_t offset, std::size_t size, std::uint64_t checksum,
                     std::vector<std::byte>& bytes) const;

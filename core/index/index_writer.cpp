@@ -40,15 +40,6 @@ Status IndexWriter::addPage(SkipLevel level, PageEntry entry, std::span<const st
     return {};
 }
 
-Status IndexWriter::addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes) {
-    entry.offset = sizeBytes();
-    entry.bytes = static_cast<std::uint32_t>(bytes.size());
-    entry.checksum = pageChecksum(bytes, seed_, entry.offset);
-    ISO_TRY(append(bytes));
-    hiddenPages_.push_back(entry);
-    return {};
-}
-
 Status IndexWriter::addChunk(std::span<const std::byte> chunk) {
     ISO_CHECK(chunk.size() <= 0xffff);
     const std::uint64_t offset = sizeBytes();
@@ -93,8 +84,6 @@ Result<IndexInfo> IndexWriter::finish(IndexMeta meta) {
     meta.chunkGroups = std::move(groups_);
     meta.info.chunkBytes = chunkBytes_;
     meta.levels = std::move(levels_);
-    meta.hiddenPages = std::move(hiddenPages_);
-    countHiddenCorners(meta);
     const std::vector<std::byte> bytes = encodeMeta(meta);
     Preamble preamble;
     preamble.minor = minorOf(meta);

@@ -29,10 +29,7 @@ public:
 
     /// Appends one encoded page to a level; its place and checksum are filled in here.
     Status addPage(SkipLevel level, PageEntry entry, std::span<const std::byte> bytes);
-    /// Appends one encoded page of hidden corners, in the order of bricks; likewise.
-    Status addHiddenPage(HiddenPageEntry entry, std::span<const std::byte> bytes);
-    /// Appends the next chunk of samples or normals, in chunk order. `kGroupChunks` fill a group, whose table then
-    /// follows.
+    /// Appends the next chunk, in chunk order. `kGroupChunks` fill a group, whose table then follows.
     Status addChunk(std::span<const std::byte> chunk);
     /// Ends the last group. REQUIRES: called after the last chunk, before anything else is added.
     Status endChunks() { return groupTable_.empty() ? Status() : endGroup(); }
@@ -42,8 +39,8 @@ public:
     /// Number of bytes so far: where the next part goes.
     std::uint64_t sizeBytes() const { return file_->sizeBytes() + buffer_.size(); }
 
-    /// Writes what is left and publishes. `meta.levels`, `meta.hiddenPages` and `meta.chunkGroups` are filled in
-    /// here; `meta.info.levels` must have an entry per level, its bytes and edge sums are completed. Returns
+    /// Writes what is left and publishes. `meta.levels` and `meta.chunkGroups` are filled in here;
+    /// `meta.info.levels` must have an entry per level, its bytes and edge sums are completed. Returns
     /// the finished info.
     Result<IndexInfo> finish(IndexMeta meta);
 
@@ -58,7 +55,6 @@ private:
     std::uint64_t seed_;
     std::vector<std::byte> buffer_; ///< not written yet: chunks are small, and there are many
     std::vector<LevelDirectory> levels_;
-    std::vector<HiddenPageEntry> hiddenPages_;
     std::vector<ChunkGroupEntry> groups_;
     std::vector<std::byte> groupTable_; ///< of the group that is being filled
     std::uint64_t groupOffset_ = 0;

@@ -39,7 +39,6 @@ void IndexWriter::state(StateArchive& archive) {
         archive(level.pages);
         archive(level.blocks);
     }
-    archive(hiddenPages_);
     archive(groups_);
     archive(groupTable_);
     archive(groupOffset_);

@@ -83,7 +83,7 @@ private:
 
 template <class Key>
 LazyLevels<Key>::LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes)
-    : reader_(reader), store_(reader, memoryBytes), isStopped_(needsPagesWithNormals(reader.info())) {}
+    : reader_(reader), store_(reader, memoryBytes) {}
 
 template <class Key>
 LazyLevels<Key>::~LazyLevels() = default;

@@ -99,9 +99,6 @@ Result<std::shared_ptr<SampleBlocks>> openSampleBlocks(const std::filesystem::pa
     auto reader = IndexReader::open(indexPath);
     if (!reader.isOk())
         return reader.error();
-    if (reader.value()->info().kind != IndexKind::Metacells)
-        return makeError(ErrorCode::InvalidArgument, "is an index of edges, which holds no samples",
-                         indexPath.string());
     return visitScalarType(reader.value()->info().type, [&](auto sample) -> std::shared_ptr<SampleBlocks> {
         return std::make_shared<StoredBlocks<decltype(sample)>>(std::move(reader).value());
     });

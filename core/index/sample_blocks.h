@@ -61,8 +61,7 @@ private:
 
 /// Of a volume in memory.
 std::shared_ptr<SampleBlocks> makeSampleBlocks(std::shared_ptr<const ScalarGrid> grid);
-/// Of an index of metacells. Errors: those of opening an index; InvalidArgument of one of edges, which holds no
-/// samples.
+/// Of an index. Errors: those of opening it.
 Result<std::shared_ptr<SampleBlocks>> openSampleBlocks(const std::filesystem::path& indexPath);
 
 } // namespace isoslider::index

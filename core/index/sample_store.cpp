@@ -9,7 +9,7 @@
 namespace isoslider::index {
 
 SampleStore::SampleStore(const IndexReader& reader) : reader_(reader), chunks_(reader.info().geometry.dims) {
-    ISO_CHECK(hasSampleChunks(reader.info()) || hasNormalChunks(reader.info()));
+    ISO_CHECK(hasSampleChunks(reader.info()));
     groups_ = std::make_unique<std::atomic<const ChunkGroup*>[]>(reader.meta().chunkGroups.size());
 }
 
@@ -103,45 +103,41 @@ void SampleStore::willNeed(std::span<const ChunkIndex> chunks, std::uint64_t& by
 namespace {
 
 // Those of all chunks, as points of the grid.
-template <class Value>
-Result<std::vector<Value>> readAll(const IndexReader& reader, const char* activity, const JobControl& job) {
+template <class Sample>
+Result<std::vector<Sample>> readAll(const IndexReader& reader, const JobControl& job) {
     const SampleStore store(reader);
     const GridDims& dims = reader.info().geometry.dims;
-    std::vector<Value> values(static_cast<std::size_t>(pointCount(dims)));
-    std::vector<Value> chunk(SampleStore::kChunkSamples);
+    std::vector<Sample> samples(static_cast<std::size_t>(pointCount(dims)));
+    std::vector<Sample> chunk(SampleStore::kChunkSamples);
     std::uint64_t bytesRead = 0;
     const std::uint64_t count = store.chunks().chunkCount();
     for (const ChunkIndex index : firstIds<ChunkIndex>(count)) {
         if (job.isStopRequested())
             return cancelledError();
-        ISO_TRY(store.read<Value>(index, std::span<Value, SampleStore::kChunkSamples>(chunk), bytesRead));
+        ISO_TRY(store.read<Sample>(index, std::span<Sample, SampleStore::kChunkSamples>(chunk), bytesRead));
         const auto at = store.chunks().chunkCoords(index);
         const ChunkExtent extent = store.chunks().extent(index);
         for (int z = 0; z < extent[2]; ++z)
             for (int y = 0; y < extent[1]; ++y)
                 std::copy_n(chunk.data() + kChunkSide * (y + kChunkSide * z), extent[0],
-                            values.data() + kChunkSide * at[0] +
+                            samples.data() + kChunkSide * at[0] +
                                 dims[0] * (kChunkSide * at[1] + y + dims[1] * (kChunkSide * at[2] + z)));
         if (index.number() % 64 == 0)
-            job.report(static_cast<double>(index.number()) / static_cast<double>(count), activity);
+            job.report(static_cast<double>(index.number()) / static_cast<double>(count), "reading samples");
     }
-    return values;
+    return samples;
 }
 
 } // namespace
 
 Result<std::shared_ptr<const ScalarGrid>> readSamples(const IndexReader& reader, const JobControl& job) {
     return visitScalarType(reader.info().type, [&](auto sample) -> Result<std::shared_ptr<const ScalarGrid>> {
-        const auto samples = readAll<decltype(sample)>(reader, "reading samples", job);
+        const auto samples = readAll<decltype(sample)>(reader, job);
         if (!samples.isOk())
             return samples.error();
         return std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<decltype(sample)>(
             reader.info().geometry, reader.info().type, std::span<const decltype(sample)>(samples.value())));
     });
-}
-
-Result<std::vector<NormalCode>> readNormals(const IndexReader& reader, const JobControl& job) {
-    return readAll<NormalCode>(reader, "reading normals", job);
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/base/job_control.h"
-#include "core/grid/normal_codec.h"
 #include "core/grid/scalar_grid.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_grid.h"
@@ -19,7 +18,7 @@
 
 namespace isoslider::index {
 
-/// The samples of an index of metacells, or the normals of one of edges, by chunk. Tables of chunk groups are read when
+/// The samples of an index, by chunk. Tables of chunk groups are read when
 /// first needed and kept: 8 KB for the million samples around a piece of surface. Any number of threads at once.
 class SampleStore {
 public:
@@ -35,7 +34,7 @@ public:
     /// Errors: IoError, Corruption. Adds to `bytesRead` what was read from disk.
     Result<ChunkPlace> find(ChunkIndex chunk, std::uint64_t& bytesRead) const;
     /// Decodes a chunk; places beyond its extent are left as they are. Errors: IoError, Corruption.
-    /// REQUIRES: Sample is the volume's scalar type, or with edges NormalCode.
+    /// REQUIRES: Sample is the volume's scalar type.
     template <class Sample>
     Status read(ChunkIndex chunk, std::span<Sample, kChunkSamples> out, std::uint64_t& bytesRead) const;
     /// Asks the system to read what `chunks`, in rising order, need, all at once. Adds to `bytesRead` what tables took.
@@ -53,11 +52,7 @@ private:
     std::unique_ptr<std::atomic<const ChunkGroup*>[]> groups_;
 };
 
-/// All samples of an index of metacells, as the volume that it was built from. Errors: IoError, Corruption, Cancelled.
+/// All samples of an index, as the volume that it was built from. Errors: IoError, Corruption, Cancelled.
 Result<std::shared_ptr<const ScalarGrid>> readSamples(const IndexReader& reader, const JobControl& job = {});
-
-/// The normals that an index of edges keeps: of all grid points, x fastest. Errors: as above.
-/// REQUIRES: hasNormalChunks().
-Result<std::vector<NormalCode>> readNormals(const IndexReader& reader, const JobControl& job = {});
 
 } // namespace isoslider::index

@@ -91,9 +91,6 @@ PlaneSource planesOf(const index::IndexReader& reader) {
 }
 
 Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOptions options, const JobControl& job) {
-    if (reader.info().kind != index::IndexKind::Metacells)
-        return makeError(ErrorCode::InvalidArgument, "an index of edges holds no samples; give the volume",
-                         reader.pathString());
     auto plan = planMeasures(planesOf(reader), reader.info().min, reader.info().max, job);
     if (!plan.isOk())
         return std::move(plan).error();

@@ -12,11 +12,11 @@ namespace isoslider::topology {
 /// Where what is found may lie until events are made of it: beside the index.
 std::filesystem::path scratchPathOf(const std::filesystem::path& index);
 
-/// Planes of samples of an index of metacells, sixteen of them decoded at a time. `reader` must outlive it.
+/// Planes of samples of an index, sixteen of them decoded at a time. `reader` must outlive it.
 PlaneSource planesOf(const index::IndexReader& reader);
 
-/// The topology of the volume of an index of metacells, analysed from its samples. `options.measures` are made.
-/// Errors: those of analysing and of reading the index; InvalidArgument (an index of edges).
+/// The topology of the volume of an index, analysed from its samples. `options.measures` are made. Errors: those of
+/// analysing and of reading the index.
 Result<TopologyCurve> analyseIndex(const index::IndexReader& reader, AnalysisOptions options, const JobControl& job);
 
 /// What is stored with the index, or else (none, or a damaged one) analysed now, and added to the index for the next

@@ -54,6 +54,7 @@ double bytesPerEntry(std::vector<index::PointRecord<Key>> sample, const BrickGri
 BlockChoice chooseBlocks(const SpanHistogram& histogram, const KeyIntervals& bins, int skipLevels,
                          double redundancyThreshold, double bytesPerEntry, double points) {
     constexpr double kHigherLevelCost = 1.4;
+    constexpr double kSampleBytes = 2.0; // encoded, about
     if (redundancyThreshold > 0.0)
         return {chooseBlockBegins(histogram, bins, skipLevels, redundancyThreshold), redundancyThreshold};
     std::uint64_t entries = 0;
@@ -65,7 +66,7 @@ BlockChoice chooseBlocks(const SpanHistogram& histogram, const KeyIntervals& bin
         choice = {chooseBlockBegins(histogram, bins, skipLevels, threshold), threshold};
         const double above = static_cast<double>(countEntriesAbove(histogram, bins, choice.begins));
         const double bytes = bytesPerEntry * (static_cast<double>(entries) + kHigherLevelCost * above);
-        if (bytes <= (kBytesPerVoxelAim - sizeof(NormalCode)) * points)
+        if (bytes <= (kBytesPerVoxelAim - kSampleBytes) * points)
             break;
     }
     return choice;

@@ -14,9 +14,8 @@
 #include "core/index/index_writer.h"
 #include "preprocess/edges/block_choice.h"
 #include "preprocess/edges/edge_forecast.h"
-#include "preprocess/edges/hidden_page_builder.h"
-#include "preprocess/edges/normal_chunks.h"
 #include "preprocess/edges/record_generator.h"
+#include "preprocess/edges/sample_chunks.h"
 #include "preprocess/forecast/topology_bytes.h"
 #include "preprocess/levels/external_sort.h"
 #include "preprocess/levels/level_builder.h"
@@ -26,9 +25,9 @@
 namespace isoslider::preprocess {
 namespace {
 
-// Three passes over the volume. 1: counts by key (partitions, span bins, range). 2: normals, written as they come.
-// 3: records, generated brick by brick, distributed by value; hidden corners, written as they come. Then partitions are
-// sorted one after the other, cut into blocks, encoded.
+// Three passes over the volume. 1: counts by key (partitions, span bins, range). 2: samples, written as they come.
+// 3: records, generated brick by brick, distributed by value. Then partitions are sorted one after the other, cut into
+// blocks, encoded.
 //
 // Memory: the window of planes and what a layer makes of them, the records of kBricksAtOnce bricks, histograms over
 // span space, and the sort, which gets what is left. A budget that has no room for the least of these is refused.
@@ -113,14 +112,14 @@ public:
         std::vector<KeyCount>().swap(counts);
         beginHistogram();
         makeHistograms();
-        return storeNormals(0);
+        return storeSamples(0);
     }
 
     bool isResumed() const { return isResumed_; }
     const DiskForecast& forecast() const { return forecast_; }
 
 private:
-    enum class Phase : std::uint8_t { Normals, Collecting, Sorting };
+    enum class Phase : std::uint8_t { Samples, Collecting, Sorting };
 
     Status makeForecast(const std::vector<KeyCount>& counts) {
         const auto forecast = forecastEdges<Sample>(source_, {counts, unequalPairs_, info_.min, info_.max}, options_,
@@ -138,9 +137,9 @@ private:
                                      fileSystemOf(options_));
     }
 
-    Result<index::IndexInfo> storeNormals(std::int64_t firstSlab) {
-        ISO_TRY(writeNormals<Sample>(source_, *writer_, firstSlab, job_.part(0.1, 0.18), [this](std::int64_t next) {
-            return checkpoints_.isDue() ? makeCheckpoint(Phase::Normals, next, {}) : Status();
+    Result<index::IndexInfo> storeSamples(std::int64_t firstSlab) {
+        ISO_TRY(writeSamples<Sample>(source_, *writer_, firstSlab, job_.part(0.1, 0.18), [this](std::int64_t next) {
+            return checkpoints_.isDue() ? makeCheckpoint(Phase::Samples, next, {}) : Status();
         }));
         return collectAndSort(0);
     }
@@ -210,7 +209,7 @@ private:
             return makeError(ErrorCode::Corruption, "the state of an unfinished build is damaged", path_.string());
         ISO_TRY(checkRoom({writer_->sizeBytes(), sort_->spilledBytes() + left.size()}));
         valueBins_ = ValueBins<Sample>(static_cast<Sample>(info_.min), static_cast<Sample>(info_.max));
-        return phase == Phase::Normals      ? storeNormals(next)
+        return phase == Phase::Samples      ? storeSamples(next)
                : phase == Phase::Collecting ? collectAndSort(next)
                                             : sortAndFinish(place);
     }
@@ -250,7 +249,6 @@ private:
         }
         histograms_[0].state(archive);
         archive(bytesPerEntry_);
-        hiddenPages().state(archive);
     }
 
     void stateOfSorting(StateArchive& archive) {
@@ -266,12 +264,6 @@ private:
         distinct_.state(archive);
         archive(nextBin_);
         archive(activeEdges_);
-    }
-
-    HiddenPageBuilder& hiddenPages() {
-        if (!hiddenPages_)
-            hiddenPages_.emplace(*writer_, source_.info().type);
-        return *hiddenPages_;
     }
 
     // ---- the passes
@@ -325,8 +317,6 @@ private:
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
             for (const auto& brick : records.bricks)
                 ISO_TRY(sort_->add(brick));
-            for (const auto& brick : records.hiddenCorners)
-                ISO_TRY(hiddenPages().addBrick(brick));
             missingCells_.insert(missingCells_.end(), records.missingCells.begin(), records.missingCells.end());
             withoutEdges_.insert(withoutEdges_.end(), records.keysWithoutEdges.begin(), records.keysWithoutEdges.end());
             return {};
@@ -347,7 +337,6 @@ private:
         }
         if (info_.min == info_.max)
             withoutEdges_.push_back(keyOf(static_cast<Sample>(info_.min)));
-        ISO_TRY(hiddenPages().finish());
         distinct_.setKeysWithoutEdges(std::move(withoutEdges_));
         return {};
     }
@@ -418,7 +407,7 @@ private:
         const auto plane = static_cast<std::uint64_t>(geometry_.dims[0] * geometry_.dims[1]);
         const auto bricks = std::min<std::uint64_t>(kBricksAtOnce, plane / (kBrickSide * kBrickSide) + 1);
         constexpr std::uint64_t kElsewhere = std::uint64_t{8} << 20; // pages of the levels
-        return plane * std::max(kLayerPlanes * (sizeof(Sample) + sizeof(Key) + 1), kNormalPlanes * sizeof(Sample)) +
+        return plane * std::max(kLayerPlanes * (sizeof(Sample) + sizeof(Key) + 1), kSlabPlanes * sizeof(Sample)) +
                bricks * kBrickPoints * sizeof(Record) * 3 / 2 * (options_.mergeError.amount > 0.0 ? 4 : 1) +
                leafMemory() + kElsewhere;
     }
@@ -488,7 +477,6 @@ private:
     std::vector<std::vector<std::uint64_t>> blockBegins_;
     std::unique_ptr<ExternalSort<Key>> sort_;
     std::unique_ptr<index::IndexWriter> writer_;
-    std::optional<HiddenPageBuilder> hiddenPages_;
     std::optional<LevelBuilder<Key>> levels_;
     BuildCheckpoints checkpoints_; ///< gone before the writer, whose partial file is locked
 };

@@ -13,9 +13,8 @@
 #include "core/grid/scalar_grid.h"
 #include "core/index/format/chunk_table.h"
 #include "preprocess/edges/block_choice.h"
-#include "preprocess/edges/hidden_page_builder.h"
-#include "preprocess/edges/normal_chunks.h"
 #include "preprocess/edges/record_generator.h"
+#include "preprocess/edges/sample_chunks.h"
 #include "preprocess/forecast/scaled_size.h"
 #include "preprocess/index_builds.h"
 #include "preprocess/levels/level_builder.h"
@@ -83,9 +82,8 @@ public:
         ISO_TRY(sampleAbout(wanted));
         for (; records_.size() < kLeastRecords && points_ < all && wanted < kMostSparsePoints; wanted *= 4) {
             records_.clear();
-            hiddenCorners_.clear();
             missingCells_.clear();
-            pairs_ = points_ = normalPoints_ = normalBytes_ = 0;
+            pairs_ = points_ = chunkPoints_ = chunkBytes_ = 0;
             ISO_TRY(sampleAbout(4 * wanted));
         }
         return {};
@@ -99,12 +97,6 @@ public:
         const double pointRatio = static_cast<double>(pointCount(geometry_.dims)) / static_cast<double>(points_);
         const double entryRatio =
             pairs_ > 0 ? static_cast<double>(counts_.unequalPairs) / static_cast<double>(pairs_) : pointRatio;
-        HiddenPageBuilder hiddenPages(writer, source_.info().type);
-        std::stable_sort(hiddenCorners_.begin(), hiddenCorners_.end(),
-                         [](const auto& a, const auto& b) { return a.front().brick < b.front().brick; });
-        for (const auto& corners : hiddenCorners_)
-            ISO_TRY(hiddenPages.addBrick(corners));
-        ISO_TRY(hiddenPages.finish());
         const auto records = static_cast<double>(records_.size());
         auto levels = buildLevels(writer, std::max(entryRatio, 1e-9));
         if (!levels.isOk())
@@ -118,7 +110,7 @@ public:
         if (!bytes.isOk())
             return bytes.error();
         EdgeForecast forecast;
-        forecast.disk = {static_cast<std::uint64_t>(bytes.value() + chunkBytes()),
+        forecast.disk = {static_cast<std::uint64_t>(bytes.value() + bytesOfChunks()),
                          static_cast<std::uint64_t>(records * entryRatio) * sizeof(Record)};
         forecast.bytesPerEntry = bytesPerEntry_;
         return forecast;
@@ -186,7 +178,7 @@ private:
         const std::int64_t last = tile.begin[2] - tile.from[2];
         const auto consume = [&](const LayerRecords<Key>& records) -> Status {
             for (std::size_t i = 0; i < records.bricks.size(); ++i)
-                take(tile, tileGrid.brickCoords(records.firstBrick + i), records.bricks[i], records.hiddenCorners[i]);
+                take(tile, tileGrid.brickCoords(records.firstBrick + i), records.bricks[i]);
             for (index::MissingCells missing : records.missingCells) {
                 const auto brick = inVolume(tile, tileGrid.brickCoords(missing.brick));
                 missing.brick = grid_.brickAt(brick[0], brick[1], brick[2]);
@@ -203,12 +195,12 @@ private:
                 layer == last ? ConsumeRecords<Key>(consume) : [](const LayerRecords<Key>&) { return Status(); }));
         }
         countPairs(tile);
-        encodeNormalsOf(tile);
+        encodeSamplesOf(tile);
         return {};
     }
 
     // In chunks half as high: a layer has no more planes.
-    void encodeNormalsOf(const Tile& tile) {
+    void encodeSamplesOf(const Tile& tile) {
         const SampleView<Sample> view{planes_.data(),
                                       {geometry_.dims[0], geometry_.dims[1], planesEnd_ - planesBegin_}};
         const std::int64_t z0 = tile.begin[2] * kBrickSide;
@@ -222,15 +214,14 @@ private:
                  x += index::kChunkSide) {
                 const index::ChunkExtent extent{countFrom(0, x, endX), countFrom(1, y, endY),
                                                 countFrom(2, z0, z0 + kBrickSide)};
-                normalPoints_ += static_cast<std::uint64_t>(extent[0] * extent[1] * extent[2]);
-                normalBytes_ +=
-                    encodeNormals<Sample>(view, {x, y, z0 - planesBegin_}, extent, inverseSpacingOf(geometry_)).size();
+                chunkPoints_ += static_cast<std::uint64_t>(extent[0] * extent[1] * extent[2]);
+                chunkBytes_ += encodeSamples<Sample>(view, {x, y, z0 - planesBegin_}, extent).size();
             }
     }
-    double chunkBytes() const {
+    double bytesOfChunks() const {
         const double ratio = static_cast<double>(pointCount(geometry_.dims)) /
-                             static_cast<double>(std::max<std::uint64_t>(1, normalPoints_));
-        return ratio * static_cast<double>(normalBytes_) +
+                             static_cast<double>(std::max<std::uint64_t>(1, chunkPoints_));
+        return ratio * static_cast<double>(chunkBytes_) +
                static_cast<double>(index::chunkTableBytes(index::ChunkGrid(geometry_.dims)));
     }
 
@@ -238,8 +229,7 @@ private:
         return {tile.from[0] + brick[0], tile.from[1] + brick[1], tile.from[2] + brick[2]};
     }
 
-    void take(const Tile& tile, const std::array<std::int64_t, 3>& tileBrick, const std::vector<Record>& records,
-              const std::vector<index::HiddenCorner>& corners) {
+    void take(const Tile& tile, const std::array<std::int64_t, 3>& tileBrick, const std::vector<Record>& records) {
         const auto coords = inVolume(tile, tileBrick);
         if (!tile.holds(coords))
             return;
@@ -248,11 +238,6 @@ private:
             record.setId(pointIn(brick, localOf(record.id())));
             records_.push_back(record);
         }
-        if (corners.empty())
-            return;
-        hiddenCorners_.push_back(corners);
-        for (index::HiddenCorner& corner : hiddenCorners_.back())
-            corner.brick = brick;
     }
 
     // As countUnequalPairs() does for the whole volume: pairs whose upper point lies in the tile.
@@ -343,10 +328,9 @@ private:
     std::vector<Sample> planes_; ///< [planesBegin_, planesEnd_)
     std::int64_t planesBegin_ = 0, planesEnd_ = 0;
     std::vector<Record> records_;
-    std::vector<std::vector<index::HiddenCorner>> hiddenCorners_; ///< by brick
     std::vector<index::MissingCells> missingCells_;
     std::uint64_t pairs_ = 0, points_ = 0;
-    std::uint64_t normalPoints_ = 0, normalBytes_ = 0; ///< of which normals were encoded; the bytes they take
+    std::uint64_t chunkPoints_ = 0, chunkBytes_ = 0; ///< of which samples were encoded; the bytes they take
     double bytesPerEntry_ = 0.0;
 };
 

@@ -6,15 +6,12 @@
 
 #include <tbb/parallel_for.h>
 
-#include "core/cell/trilinear_cell.h"
-#include "preprocess/edges/hidden_corner_filter.h"
 #include "preprocess/edges/prepared_layer.h"
 #include "preprocess/missing_cells.h"
 
 namespace isoslider::preprocess {
 namespace {
 
-using index::HiddenCorner;
 using index::kPointEdges;
 using index::MissingCells;
 using index::PointRecord;
@@ -57,32 +54,6 @@ public:
             std::stable_sort(records.begin(), records.end(),
                              [](const auto& first, const auto& second) { return first.id() < second.id(); });
         }
-    }
-
-    // Of the cells that exist and have no missing corner.
-    void hiddenCorners(BrickIndex brick, std::vector<HiddenCorner>& corners) const {
-        const auto b = grid_.brickCoords(brick);
-        std::int64_t begin[3], cells[3];
-        for (int a = 0; a < 3; ++a) {
-            begin[a] = b[a] * kBrickSide;
-            cells[a] = std::min<std::int64_t>(kBrickSide, grid_.dims()[a] - 1 - begin[a]);
-        }
-        Key padded[4][kFilterCells + 1] = {};
-        for (std::int64_t z = 0; z < cells[2]; ++z)
-            for (std::int64_t y = 0; y < cells[1]; ++y) {
-                const std::size_t at = layer_.at(begin[0], begin[1] + y, begin[2] + z);
-                const Key* rows[4];
-                for (int row = 0; row < 4; ++row) {
-                    rows[row] = layer_.keysFrom(
-                        at + static_cast<std::size_t>((row & 1) * layer_.stride(1) + (row >> 1) * layer_.stride(2)));
-                    if (cells[0] < kFilterCells)
-                        rows[row] = std::copy_n(rows[row], cells[0] + 1, padded[row]) - (cells[0] + 1);
-                }
-                unsigned found = mayNeedHiddenCorners(rows) & ((1u << cells[0]) - 1);
-                for (; found != 0; found &= found - 1)
-                    hiddenCornersOfCell(brick, std::countr_zero(found) + 8 * y + 64 * z,
-                                        at + static_cast<std::size_t>(std::countr_zero(found)), corners);
-            }
     }
 
     // Bit per cell of the brick with a missing corner; false when there is none.
@@ -156,24 +127,6 @@ private:
         histogram.add(bins_.find(interval.after), bins_.find(interval.until));
     }
 
-    void hiddenCornersOfCell(BrickIndex brick, std::int64_t cell, std::size_t at,
-                             std::vector<HiddenCorner>& corners) const {
-        Key keys[8];
-        cell::CornerScalars scalars;
-        for (int c = 0; c < 8; ++c) {
-            const std::size_t i =
-                at + static_cast<std::size_t>((c & 1) + (c >> 1 & 1) * layer_.stride(1) + (c >> 2) * layer_.stride(2));
-            if (layer_.missing(i))
-                return;
-            keys[c] = layer_.key(i);
-            scalars[static_cast<std::size_t>(c)] = static_cast<double>(sampleOfKey<Sample>(keys[c]));
-        }
-        for (unsigned needed = cell::hiddenCornersNeeded(scalars); needed != 0; needed &= needed - 1) {
-            const int corner = std::countr_zero(needed);
-            corners.push_back({brick, static_cast<std::uint16_t>(8 * cell + corner), keys[corner]});
-        }
-    }
-
     bool fill(PointRecord<Key>& record, std::size_t i, std::int64_t x, std::int64_t y, std::int64_t z,
               std::vector<std::uint64_t>& withoutEdges) const {
         const std::int64_t p[3] = {x, y, z};
@@ -238,15 +191,12 @@ void generateBricks(const BrickGenerator<Sample>& generator, std::size_t count, 
     std::vector<std::uint8_t> hasMissing(count, 0);
     std::vector<std::vector<std::uint64_t>> withoutEdges(count);
     out.bricks.resize(count);
-    out.hiddenCorners.resize(count);
     std::atomic<std::size_t> next = 0;
     tbb::parallel_for(std::size_t{0}, histograms.size(), [&](std::size_t lane) {
         for (std::size_t i; (i = next++) < count;) {
             out.bricks[i].clear();
-            out.hiddenCorners[i].clear();
             const BrickIndex brick = out.firstBrick + i;
             generator.generate(brick, histograms[lane], out.bricks[i], withoutEdges[i]);
-            generator.hiddenCorners(brick, out.hiddenCorners[i]);
             hasMissing[i] = generator.missingCells(brick, missing[i]);
         }
     });

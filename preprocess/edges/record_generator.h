@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/grid/scalar_key.h"
-#include "core/index/format/hidden_corner_codec.h"
 #include "core/index/format/index_format.h"
 #include "core/index/format/point_record.h"
 #include "preprocess/edges/merged_layers.h"
@@ -20,8 +19,6 @@ struct LayerRecords {
     BrickIndex firstBrick;
     /// One list per brick, in brick order; each in point id order.
     std::vector<std::vector<index::PointRecord<Key>>> bricks;
-    /// Likewise; ascending by place.
-    std::vector<std::vector<index::HiddenCorner>> hiddenCorners;
     std::vector<index::MissingCells> missingCells;
     /// Keys of points without a record though a neighbour differs or is missing: they have no usable
     /// edge, and would be overlooked when distinct values are counted.

@@ -44,9 +44,8 @@ public:
         double pages = 0.0;
         for (const index::SkipLevelInfo& level : info.levels)
             pages += static_cast<double>(level.bytes);
-        const auto hidden = static_cast<double>(info.hiddenCornerBytes);
-        const double fixed = static_cast<double>(info.indexBytes) - pages - hidden;
-        return fixed + entryRatio * pages + pointRatio * (hidden + missing);
+        const double fixed = static_cast<double>(info.indexBytes) - pages;
+        return fixed + entryRatio * pages + pointRatio * missing;
     }
 
 private:

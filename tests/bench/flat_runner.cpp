@@ -2,6 +2,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "core/grid/point_normals.h"
 #include "core/index/sample_store.h"
 #include "tests/bench/flat_baseline.h"
 #include "tests/bench/flat_changes.h"
@@ -68,16 +69,20 @@ private:
 
 // In the order of ids.
 Result<std::vector<NormalCode>> normalsOf(const index::IndexReader& reader) {
-    const auto read = index::readNormals(reader);
+    const auto read = index::readSamples(reader);
     if (!read.isOk())
         return read.error();
+    const ScalarGrid& volume = *read.value();
     const BrickGrid& grid = reader.grid();
     std::vector<NormalCode> normals(grid.idCount(), kNoNormal);
-    std::size_t i = 0;
-    for (std::int64_t z = 0; z < grid.dims()[2]; ++z)
-        for (std::int64_t y = 0; y < grid.dims()[1]; ++y)
-            for (std::int64_t x = 0; x < grid.dims()[0]; ++x)
-                normals[grid.pointId(x, y, z).index()] = read.value()[i++];
+    visitScalarType(volume.type(), [&](auto sample) {
+        const SampleView<decltype(sample)> view{volume.values<decltype(sample)>().data(), grid.dims()};
+        for (std::int64_t z = 0; z < grid.dims()[2]; ++z)
+            for (std::int64_t y = 0; y < grid.dims()[1]; ++y)
+                for (std::int64_t x = 0; x < grid.dims()[0]; ++x)
+                    findNormals(view, {x, y, z}, {1, 1, 1}, inverseSpacingOf(volume.geometry()),
+                                &normals[grid.pointId(x, y, z).index()]);
+    });
     return normals;
 }
 

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "core/grid/scalar_key.h"
-#include "core/index/format/hidden_corner_codec.h"
 #include "core/index/index_reader.h"
 #include "core/index/page_cache.h"
 #include "core/index/sample_store.h"
@@ -36,24 +35,6 @@ std::string recordsOf(const index::IndexReader& reader, std::size_t level) {
                     text += fmt::format(" {}", page->farNormals[entry]);
             }
             text += '\n';
-        }
-    }
-    return text;
-}
-
-std::string hiddenCornersOf(const index::IndexReader& reader) {
-    std::string text;
-    std::vector<std::byte> bytes;
-    for (const index::HiddenPageEntry& entry : reader.meta().hiddenPages) {
-        index::HiddenPage page;
-        EXPECT_THAT(reader.readPage(entry, bytes), IsOk());
-        EXPECT_THAT(index::decodeHiddenPage(bytes, entry, reader.info(), page, ""), IsOk());
-        for (std::size_t i = 0; i < page.places.size(); ++i) {
-            const std::uint64_t key = visitScalarType(reader.info().type, [&](auto sample) {
-                return std::uint64_t{keyOf(static_cast<decltype(sample)>(page.scalars[i]))};
-            });
-            text += fmt::format("{} {} {}\n", entry.firstBrick.number() + page.places[i] / 4096, page.places[i] % 4096,
-                                key);
         }
     }
     return text;
@@ -89,7 +70,7 @@ protected:
         EXPECT_EQ(result.exitCode, 0) << result.standardError;
         return result.standardOutput;
     }
-    /// Every record of every level, every hidden corner and every sample or normal, as the program reads them.
+    /// Every record of every level and every sample, as the program reads them.
     void expectAllTheSame(const std::string& index) const {
         SCOPED_TRACE(index);
         const auto opened = index::IndexReader::open(index);
@@ -101,25 +82,17 @@ protected:
                 EXPECT_TRUE(textOf(index, {"records", std::to_string(level)}) == recordsOf<Key>(reader, level))
                     << "level " << level;
         });
-        EXPECT_TRUE(textOf(index, {"hidden"}) == hiddenCornersOf(reader));
-        if (reader.info().kind == index::IndexKind::Metacells) {
-            const auto grid = index::readSamples(reader);
-            ASSERT_THAT(grid, IsOk());
-            const auto rowBytes =
-                static_cast<std::size_t>(grid.value()->dims()[0]) * scalarTypeSizeBytes(grid.value()->type());
-            EXPECT_TRUE(textOf(index, {"samples"}) == rowsOf(grid.value()->bytes(), rowBytes));
-        } else if (hasNormalChunks(reader.info())) {
-            const auto normals = index::readNormals(reader);
-            ASSERT_THAT(normals, IsOk());
-            const auto rowBytes = static_cast<std::size_t>(reader.info().geometry.dims[0]) * sizeof(NormalCode);
-            EXPECT_TRUE(textOf(index, {"normals"}) == rowsOf(std::as_bytes(std::span(normals.value())), rowBytes));
-        }
+        const auto grid = index::readSamples(reader);
+        ASSERT_THAT(grid, IsOk());
+        const auto rowBytes =
+            static_cast<std::size_t>(grid.value()->dims()[0]) * scalarTypeSizeBytes(grid.value()->type());
+        EXPECT_TRUE(textOf(index, {"samples"}) == rowsOf(grid.value()->bytes(), rowBytes));
     }
     void expectTheSame(const std::string& index, const std::string& volume, const std::vector<std::string>& raw,
                        const std::vector<std::string>& isovalues) const {
         const auto facts = read(index, {"facts"});
         const auto stats = runJson({"stats", index});
-        for (const char* key : {"kind", "dims", "scalar_type", "distinct_values", "index_bytes", "hidden_corners"})
+        for (const char* key : {"kind", "dims", "scalar_type", "distinct_values", "index_bytes"})
             EXPECT_EQ(facts[key], stats[key]) << key;
         ASSERT_EQ(facts["levels"].size(), stats["levels"].size());
         for (std::size_t level = 0; level < facts["levels"].size(); ++level)
@@ -174,8 +147,8 @@ TEST_F(SecondReader, FindsTheEdgesOfBytesAndIntegers) {
 
 TEST_F(SecondReader, ReadsIndexesOfEachVersion) {
     for (const char* name :
-         {"golden_v3", "golden_v4", "golden_v4_metacells", "golden_v4_merged", "golden_v4_1_topology", "golden_v4_2",
-          "golden_v5", "golden_v5_metacells", "golden_v5_merged", "golden_v5_1_topology", "golden_v5_2"})
+         {"golden_v4_metacells", "golden_v4_1_topology", "golden_v4_2", "golden_v5_metacells", "golden_v5_1_topology",
+          "golden_v6", "golden_v6_metacells", "golden_v6_merged", "golden_v6_2"})
         expectAllTheSame(fmt::format("{}/tests/data/{}.isx", test::sourceFolder(), name));
 }
 

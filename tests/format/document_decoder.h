@@ -21,13 +21,6 @@ struct DocumentPoint {
     std::vector<int> farNormals;
 };
 
-struct DocumentCorner {
-    std::uint64_t brick = 0;
-    std::uint64_t place = 0; ///< 8 * c + i
-    std::uint64_t key = 0;
-    bool operator==(const DocumentCorner&) const = default;
-};
-
 class DocumentDecoder {
 public:
     explicit DocumentDecoder(std::span<const std::byte> page) : page_(page) {}
@@ -92,26 +85,6 @@ public:
             out.push_back(std::move(point));
         }
         return edge == edges ? std::optional(std::move(out)) : std::nullopt;
-    }
-
-    /// A page of hidden corners.
-    std::optional<std::vector<DocumentCorner>> decodeHidden() {
-        const std::uint64_t corners = number(0, 4), firstBrick = number(4, 4), keyBytes = number(8, 4),
-                            planes = number(12, 4);
-        if (planes != 4 + keyBytes)
-            return std::nullopt;
-        tableAt_ = 16;
-        dataAt_ = 16 + 4 * planes;
-        const auto places = column(corners, 4), keys = column(corners, static_cast<int>(keyBytes));
-        if (!isGood_ || dataAt_ != page_.size())
-            return std::nullopt;
-        std::vector<DocumentCorner> out;
-        std::uint64_t place = 0;
-        for (std::size_t i = 0; i < corners; ++i) {
-            place += places[i];
-            out.push_back({firstBrick + place / 4096, place % 4096, keys[i]});
-        }
-        return out;
     }
 
 private:

@@ -7,10 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
 #include "core/index/format/block_codec.h"
-#include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "core/index/sample_store.h"
 #include "core/index/validation/index_validation.h"
@@ -28,7 +26,7 @@ namespace {
 using test::IsOk;
 
 // The bytes of a ```hex block of the document; a '#' begins a remark.
-constexpr int kPageExample = 1, kHiddenExample = 2, kChunkExample = 3, kEarlierPageExample = 4;
+constexpr int kPageExample = 1, kChunkExample = 2, kEarlierPageExample = 3;
 std::vector<std::byte> bytesOfWorkedExample(int wanted = kPageExample) {
     std::istringstream text(
         test::readText(std::filesystem::path(test::sourceFolder()) / "core/index/format/FORMAT.md"));
@@ -53,66 +51,6 @@ std::vector<std::byte> bytesOfWorkedExample(int wanted = kPageExample) {
 std::shared_ptr<const ScalarGrid> exampleVolume() {
     return test::makeVolume<std::uint8_t>(ScalarType::U8, test::cubeGeometry(2),
                                           [](auto x, auto y, auto z) { return x + y + z == 3 ? 9 : 3; });
-}
-
-// The document's example with hidden corners.
-std::shared_ptr<const ScalarGrid> hiddenExampleVolume() {
-    static constexpr int kSamples[2][2][3] = {{{0, 1, 2}, {0, 0, 2}}, {{1, 0, 2}, {0, 1, 0}}};
-    GridGeometry geometry;
-    geometry.dims = {3, 2, 2};
-    return test::makeVolume<std::uint8_t>(ScalarType::U8, geometry,
-                                          [](auto x, auto y, auto z) { return kSamples[z][y][x]; });
-}
-
-// Little-endian numbers, one after the other.
-class NumberReader {
-public:
-    NumberReader(const std::string& file, std::size_t at) : file_(file), at_(at) {}
-    std::uint64_t next(int bytes) {
-        std::uint64_t value = 0;
-        for (int i = bytes - 1; i >= 0; --i)
-            value = value << 8 | static_cast<unsigned char>(file_.at(at_ + static_cast<std::size_t>(i)));
-        skip(static_cast<std::size_t>(bytes));
-        return value;
-    }
-    void skip(std::size_t bytes) { at_ += bytes; }
-    std::size_t at() const { return at_; }
-
-private:
-    const std::string& file_;
-    std::size_t at_;
-};
-
-// What the document's tables of meta state of the pages of hidden corners.
-std::vector<HiddenPageEntry> hiddenPagesByDocument(const std::string& file) {
-    NumberReader in(file, NumberReader(file, 16).next(8));
-    in.skip(2 + 3 * 8 + 3 * 8 + 3 * 8 + 9 * 8 + 2 * 8 + 8 + 8 + 8); // to the name
-    in.skip(in.next(4));
-    in.skip(2 * 8);
-    in.skip(16 * in.next(4));
-    for (std::uint64_t level = in.next(4); level > 0; --level) {
-        in.skip(6 * 8);
-        const std::uint64_t pages = in.next(8), blocks = in.next(8);
-        in.skip(44 * pages + 32 * blocks);
-    }
-    std::vector<HiddenPageEntry> entries(in.next(8));
-    for (HiddenPageEntry& entry : entries) {
-        entry.firstBrick = BrickIndex(in.next(4));
-        entry.lastBrick = BrickIndex(in.next(4));
-        entry.corners = static_cast<std::uint32_t>(in.next(4));
-        entry.bytes = static_cast<std::uint32_t>(in.next(4));
-        entry.offset = in.next(8);
-        entry.checksum = in.next(8);
-    }
-    in.skip(8);
-    EXPECT_EQ(in.next(8), 1u) << "chunk groups";
-    in.skip(24);
-    EXPECT_EQ(in.next(8), 0u) << "bricks with missing cells";
-    in.skip(in.next(8));
-    in.skip(1);
-    EXPECT_EQ(in.next(8), 0u) << "error of merged cells";
-    EXPECT_EQ(in.at(), file.size());
-    return entries;
 }
 
 template <class Key>
@@ -192,12 +130,12 @@ TEST(FormatDocument, ExampleIsDecodedAlikeByTheProduct) {
 }
 
 // The chunk of the same volume.
-TEST(FormatDocument, ExampleOfNormalsIsWhatABuildWrites) {
+TEST(FormatDocument, ExampleOfAChunkIsWhatABuildWrites) {
     const auto bytes = bytesOfWorkedExample(kChunkExample);
-    ASSERT_EQ(bytes.size(), 18u);
-    std::vector<NormalCode> normals(8);
-    ASSERT_TRUE(decodeChunk<NormalCode>(bytes, {2, 2, 2}, normals));
-    EXPECT_EQ(normals, (std::vector<NormalCode>{0x8080, 0x8080, 0x8080, 0x7f7f, 0x8080, 0x8100, 0x0081, 0xabab}));
+    ASSERT_EQ(bytes.size(), 10u);
+    std::vector<std::uint8_t> samples(8);
+    ASSERT_TRUE(decodeChunk<std::uint8_t>(bytes, {2, 2, 2}, samples));
+    EXPECT_EQ(samples, (std::vector<std::uint8_t>{3, 3, 3, 3, 3, 3, 3, 9}));
     const test::TemporaryFolder folder;
     ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "example.isx"), IsOk());
     const auto reader = IndexReader::open(folder / "example.isx");
@@ -208,7 +146,6 @@ TEST(FormatDocument, ExampleOfNormalsIsWhatABuildWrites) {
     std::vector<std::byte> written;
     ASSERT_THAT(reader.value()->readPart(place.offset, place.bytes, place.checksum, written), IsOk());
     EXPECT_EQ(written, bytes);
-    EXPECT_EQ(readNormals(*reader.value()).value(), normals);
 }
 
 TEST(FormatDocument, ExampleIsWhatABuildWrites) {
@@ -224,7 +161,7 @@ TEST(FormatDocument, ExampleIsWhatABuildWrites) {
     EXPECT_EQ(levels.size(), 1u) << "a single block over all values would hold nothing";
 }
 
-// A page with normals in an index of this version, and one without in an index whose edges need them.
+// A page with normals in an index of this version.
 TEST(FormatDocument, PagesOfAnotherVersionAreRefused) {
     const test::TemporaryFolder folder;
     ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "good.isx"), IsOk());
@@ -232,97 +169,18 @@ TEST(FormatDocument, PagesOfAnotherVersionAreRefused) {
 
     auto writer = IndexWriter::create(folder / "earlier_page.isx", 1);
     ASSERT_THAT(writer, IsOk());
-    ASSERT_THAT(test::addBlankNormals({2, 2, 2}, *writer.value()), IsOk());
+    ASSERT_THAT(test::addBlankSamples<std::uint8_t>({2, 2, 2}, *writer.value()), IsOk());
     ASSERT_THAT(writer.value()->addPage(kLevel0, good.levels[0].pages[0], bytesOfWorkedExample(kEarlierPageExample)),
                 IsOk());
     ASSERT_THAT(writer.value()->finish(good), IsOk());
 
-    IndexMeta earlier = good;
-    earlier.chunkGroups.clear();
-    earlier.info.chunkBytes = 0;
-    std::ofstream(folder / "earlier_index.isx", std::ios::binary)
-        << test::forgedIndex(test::readText(folder / "good.isx"), earlier, 4);
-
     ValidationOptions full;
     full.isFull = true;
-    for (const char* name : {"earlier_page.isx", "earlier_index.isx"}) {
-        SCOPED_TRACE(name);
-        const auto engine = extract::SlideEngine::open(folder / name);
-        ASSERT_THAT(engine, IsOk());
-        const auto moved = engine.value()->slideTo(5.0);
-        ASSERT_THAT(moved, test::HasError(ErrorCode::Corruption));
-        EXPECT_NE(moved.error().message.find("another format version"), std::string::npos) << moved.error().line();
-        const auto report = validateIndex(folder / name, full);
-        ASSERT_THAT(report, IsOk());
-        EXPECT_TRUE(
-            std::any_of(report.value().faults.begin(), report.value().faults.end(), [](const IndexFault& fault) {
-                return fault.problem.find("another format version") != std::string::npos;
-            }));
-    }
-}
-
-TEST(FormatDocument, ExampleOfHiddenCornersSaysWhatItsTextSays) {
-    const auto bytes = bytesOfWorkedExample(kHiddenExample);
-    ASSERT_EQ(bytes.size(), 48u);
-    const auto corners = test::DocumentDecoder(bytes).decodeHidden();
-    ASSERT_TRUE(corners.has_value());
-    EXPECT_EQ(*corners, (std::vector<test::DocumentCorner>{{0, 8 * 0 + 2, 0}, {0, 8 * 1 + 1, 2}}));
-}
-
-TEST(FormatDocument, ExampleOfHiddenCornersIsWhatABuildWrites) {
-    const test::TemporaryFolder folder;
-    ASSERT_THAT(test::buildIndexOf(hiddenExampleVolume(), folder / "example.isx"), IsOk());
-    const std::string file = test::readText(folder / "example.isx");
-    const auto entries = hiddenPagesByDocument(file);
-    ASSERT_EQ(entries.size(), 1u);
-    EXPECT_EQ(entries[0].firstBrick, BrickIndex());
-    EXPECT_EQ(entries[0].lastBrick, BrickIndex());
-    EXPECT_EQ(entries[0].corners, 2u);
-    const auto bytes = bytesOfWorkedExample(kHiddenExample);
-    const std::string page = file.substr(entries[0].offset, entries[0].bytes);
-    EXPECT_EQ(page, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-    const std::uint64_t seed = NumberReader(file, 48).next(8);
-    EXPECT_EQ(entries[0].checksum, pageChecksum(bytes, seed, entries[0].offset));
-    const auto reader = IndexReader::open(folder / "example.isx");
-    ASSERT_THAT(reader, IsOk());
-    EXPECT_EQ(HiddenCorners(*reader.value()).find(BrickIndex(), LocalPoint(), 2).value(), 0.0);
-    EXPECT_EQ(HiddenCorners(*reader.value()).find(BrickIndex(), LocalPoint(1), 1).value(), 2.0);
-}
-
-TEST(FormatDocument, ReadsHiddenCornersOfRealIndices) {
-    const test::TemporaryFolder folder;
-    test::Random random(8);
-    GridGeometry geometry;
-    geometry.dims = {50, 44, 37};
-    const auto noise = test::makeVolume<float>(ScalarType::F32, geometry,
-                                               [&](auto, auto, auto) { return test::unitRandom(random) - 0.5; });
-    ASSERT_THAT(test::buildIndexOf(noise, folder / "a.isx"), IsOk());
-    const std::string file = test::readText(folder / "a.isx");
-    const auto entries = hiddenPagesByDocument(file);
-    const auto reader = IndexReader::open(folder / "a.isx");
-    ASSERT_THAT(reader, IsOk());
-    const HiddenCorners hidden(*reader.value());
-    ASSERT_GE(entries.size(), 2u);
-    std::size_t compressed = 0;
-    for (const HiddenPageEntry& entry : entries) {
-        const auto page = std::as_bytes(std::span(file)).subspan(entry.offset, entry.bytes);
-        const auto corners = test::DocumentDecoder(page).decodeHidden();
-        ASSERT_TRUE(corners.has_value());
-        ASSERT_EQ(corners->size(), entry.corners);
-        EXPECT_EQ(corners->front().brick, entry.firstBrick.number());
-        EXPECT_EQ(corners->back().brick, entry.lastBrick.number());
-        for (const test::DocumentCorner& corner : *corners) {
-            const auto cell = static_cast<LocalPoint>(corner.place / 8);
-            const int i = static_cast<int>(corner.place % 8);
-            const auto p = reader.value()->grid().pointCoords(pointIn(BrickIndex(corner.brick), cell));
-            const double sample = noise->valueAt(p[0] + i % 2, p[1] + i / 2 % 2, p[2] + i / 4);
-            ASSERT_EQ(corner.key, keyOf(static_cast<float>(sample)));
-            ASSERT_EQ(hidden.find(BrickIndex(corner.brick), cell, i).value(), sample);
-        }
-        for (std::size_t plane = 0; plane < 8; ++plane)
-            compressed += static_cast<int>(page[16 + 4 * plane + 3]) >> 6 == 2;
-    }
-    EXPECT_GT(compressed, 0u);
+    const auto report = validateIndex(folder / "earlier_page.isx", full);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_TRUE(std::any_of(report.value().faults.begin(), report.value().faults.end(), [](const IndexFault& fault) {
+        return fault.problem.find("another format version") != std::string::npos;
+    }));
 }
 
 TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
@@ -336,9 +194,9 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         return value;
     };
     EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
-    EXPECT_EQ(number(12, 2), 5u);
+    EXPECT_EQ(number(12, 2), 6u);
     EXPECT_EQ(number(14, 2), 0u);
-    const std::size_t metaAt = 64 + 18 + 10 + 81;
+    const std::size_t metaAt = 64 + 10 + 10 + 81;
     EXPECT_EQ(number(16, 8), metaAt) << "meta follows the only chunk, its group's table and the only page";
     EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
     EXPECT_EQ(number(40, 8), file.size());

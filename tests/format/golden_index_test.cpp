@@ -11,7 +11,6 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
-#include "core/index/hidden_corners.h"
 #include "core/index/index_reader.h"
 #include "core/index/validation/index_validation.h"
 #include "core/topology/index_topology.h"
@@ -29,7 +28,7 @@ using test::HasError;
 using test::IsOk;
 
 const std::filesystem::path kData = std::filesystem::path(test::sourceFolder()) / "tests/data";
-const std::filesystem::path kGolden = kData / "golden_v5.isx";
+const std::filesystem::path kGolden = kData / "golden_v6.isx";
 
 struct Golden {
     const char* name;
@@ -41,21 +40,23 @@ struct Golden {
     bool isOfThisVersion = true;
 };
 constexpr Golden kGoldenIndexes[] = {
-    {.name = "golden_v3", .isOfThisVersion = false},
-    {.name = "golden_v4", .isOfThisVersion = false},
     {.name = "golden_v4_metacells", .kind = IndexKind::Metacells, .isOfThisVersion = false},
-    {.name = "golden_v4_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}, .isOfThisVersion = false},
     {.name = "golden_v4_1_topology",
      .kind = IndexKind::Metacells,
      .unit = "mm",
      .hasTopology = true,
      .isOfThisVersion = false},
-    {.name = "golden_v4_2", .unit = "mm", .isResampled = true, .isOfThisVersion = false},
-    {.name = "golden_v5"},
-    {.name = "golden_v5_metacells", .kind = IndexKind::Metacells},
-    {.name = "golden_v5_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
-    {.name = "golden_v5_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
-    {.name = "golden_v5_2", .unit = "mm", .isResampled = true},
+    {.name = "golden_v5_metacells", .kind = IndexKind::Metacells, .isOfThisVersion = false},
+    {.name = "golden_v5_1_topology",
+     .kind = IndexKind::Metacells,
+     .unit = "mm",
+     .hasTopology = true,
+     .isOfThisVersion = false},
+    {.name = "golden_v6"},
+    {.name = "golden_v6_metacells", .kind = IndexKind::Metacells},
+    {.name = "golden_v6_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
+    {.name = "golden_v6_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
+    {.name = "golden_v6_2", .unit = "mm", .isResampled = true},
 };
 
 // Never to be changed: the golden file is of this volume.
@@ -89,9 +90,17 @@ std::string buildGolden(const std::filesystem::path& path, const Golden& golden)
 
 // Nothing can be made of them that is right.
 TEST(GoldenIndex, NamesWhatEarlierVersionsLack) {
-    for (const auto& [version, flaw] : {std::pair<std::string, std::string>{"1", "lacks the samples on which tunnels"},
-                                        {"2", "does not state what kind of index it is"}}) {
-        const std::string name = "golden_v" + version + ".isx";
+    const std::string others = "keeps samples in another way, or none", edges = "keeps no samples with the edges";
+    for (const auto& [which, flaw] : {std::pair<std::string, std::string>{"1", others},
+                                      {"2", others},
+                                      {"3", others},
+                                      {"4", edges},
+                                      {"4_2", edges},
+                                      {"4_merged", edges},
+                                      {"5", edges},
+                                      {"5_2", edges},
+                                      {"5_merged", edges}}) {
+        const std::string name = "golden_v" + which + ".isx", version = which.substr(0, 1);
         const auto opened = IndexReader::open(kData / name);
         ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
         const std::string line = opened.error().line();
@@ -120,17 +129,6 @@ TEST(GoldenIndex, OfAnotherKindLaterOrDamagedHasThreeAnswers) {
     EXPECT_NE(errorOf(12, 9).message.find("made by a newer version"), std::string::npos);
     EXPECT_EQ(errorOf(20, 77).code, ErrorCode::Corruption);
     EXPECT_EQ(errorOf(good.size() - 20, 77).code, ErrorCode::Corruption);
-}
-
-// In version 3 their samples lay between errors of merged cells.
-TEST(GoldenIndex, MetacellsOfVersion3AreRefused) {
-    std::string bytes = test::readText(kData / "golden_v4_metacells.isx");
-    const auto at = std::as_bytes(std::span(bytes));
-    Preamble preamble = decodePreamble(at.first(kPreambleBytes), bytes.size(), "x").value();
-    preamble.major = 3;
-    const auto opened = decodeMeta(at.subspan(preamble.metaOffset, preamble.metaBytes), preamble, "x");
-    ASSERT_THAT(opened, HasError(ErrorCode::UnsupportedVersion));
-    EXPECT_NE(opened.error().message.find("build it again"), std::string::npos);
 }
 
 class GoldenIndexOf : public testing::TestWithParam<Golden> {
@@ -208,28 +206,6 @@ TEST_P(GoldenIndexOf, IsSound) {
     ASSERT_THAT(report, IsOk());
     EXPECT_EQ(report.value().faultCount, 0u) << (report.value().isSound() ? "" : report.value().faults[0].line());
     EXPECT_EQ(report.value().areEdgesCompared, !(GetParam().mergeError.amount > 0.0));
-}
-
-TEST(GoldenIndex, HasHiddenCorners) {
-    const auto reader = IndexReader::open(kGolden);
-    ASSERT_THAT(reader, IsOk());
-    EXPECT_EQ(reader.value()->info().hiddenCorners, 2u);
-    const HiddenCorners hidden(*reader.value());
-    const auto grid = goldenVolume();
-    int found = 0;
-    for (const BrickIndex brick : firstIds<BrickIndex>(2))
-        for (const LocalPoint cell : firstIds<LocalPoint>(kBrickPoints))
-            for (int corner = 0; corner < 8; ++corner) {
-                const auto scalar = hidden.find(brick, cell, corner);
-                ASSERT_THAT(scalar, IsOk());
-                if (!scalar.value())
-                    continue;
-                ++found;
-                const auto p = reader.value()->grid().pointCoords(pointIn(brick, cell));
-                EXPECT_EQ(*scalar.value(),
-                          grid->valueAt(p[0] + (corner & 1), p[1] + (corner >> 1 & 1), p[2] + (corner >> 2)));
-            }
-    EXPECT_EQ(found, 2);
 }
 
 TEST_P(GoldenIndexOf, IsWhatABuildGives) {

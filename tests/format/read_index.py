@@ -6,11 +6,9 @@ the zstd program. It shares nothing with the one in C++: where both agree, the d
     read_index.py INDEX edges            each edge of level 0: x y z axis lower upper (of an index of edges)
     read_index.py INDEX bricks           each brick of level 0: x y z least greatest (of metacells)
     read_index.py INDEX records LEVEL    all of a level's pages, a line for each record: form, id and key, then of each
-                                         entry its edge number and key; numbers only. In version 3 and 4 keys are
+                                         entry its edge number and key; numbers only. In version 4 keys are
                                          followed by normals
-    read_index.py INDEX hidden           hidden corners, a line for each: place of the brick, place in it, key
-    read_index.py INDEX samples          of metacells: the bytes of all samples, in hexadecimal digits, a line for each row
-    read_index.py INDEX normals          of edges: likewise those of all normals
+    read_index.py INDEX samples          the bytes of all samples, in hexadecimal digits, a line for each row
     read_index.py INDEX planes           bytes of each level's planes by column, as JSON
     read_index.py INDEX active VALUE...  active edges at isovalues, from edges or from samples, as JSON
 
@@ -75,12 +73,14 @@ class Index:
         if self.data[:12] != MAGIC:
             fail("not an index")
         self.major, self.minor, meta_at, meta_bytes, _, self.file_bytes, _, _ = struct.unpack_from("<HHQQQQQQ", self.data, 12)
-        if self.major not in (3, 4, 5):
+        if self.major not in (4, 5, 6):
             fail("version %d" % self.major)
         self.read_meta(Fields(self.data[meta_at : meta_at + meta_bytes]))
 
     def read_meta(self, meta):
         self.kind = ["edges", "metacells"][meta.get("B")]
+        if self.kind == "edges" and self.major < 6:
+            fail("edges of version %d" % self.major)
         self.type = TYPES[meta.get("B")]
         self.dims = meta.get("3q")
         self.spacing, self.origin, self.direction = meta.get("3d"), meta.get("3d"), meta.get("9d")
@@ -97,12 +97,9 @@ class Index:
             level["page_entries"] = [meta.get("4Q") + meta.get("3I") for _ in range(pages)]
             level["block_entries"] = [meta.get("4Q") for _ in range(blocks)]
             self.levels.append(level)
-        self.hidden = [meta.get("4I") + meta.get("2Q") for _ in range(meta.get("Q"))]
+        if self.major < 6 and meta.get("Q") != 0:
+            fail("metacells with pages of hidden corners")
         self.chunk_bytes = meta.get("Q")
-        if self.major == 3:
-            if self.kind != "edges":
-                fail("metacells of version 3")
-            meta.get("Q")
         self.groups = [meta.get("3Q") for _ in range(meta.get("Q"))]
         count, packed = meta.get("2Q")
         plain = unpack_frames([meta.bytes(packed)], [68 * count])[0] if count else meta.bytes(packed) and b""
@@ -110,7 +107,7 @@ class Index:
         for i in range(count):
             brick, *cells = struct.unpack_from("<I8Q", plain, 68 * i)
             self.missing[brick] = cells
-        self.error_in_cells, self.error = (meta.get("B"), meta.get("d")) if self.major > 3 else (0, 0.0)
+        self.error_in_cells, self.error = meta.get("B"), meta.get("d")
         self.unit = meta.text() if self.minor >= 1 else ""
         self.resampling = meta.text() if self.minor >= 2 else ""
         if meta.at != len(meta.data) and self.minor <= 2:
@@ -158,7 +155,7 @@ class Index:
         id_count = 512 * self.bricks[0] * self.bricks[1] * self.bricks[2]
         turned = 0 if flags & 8 else 2
         if self.major >= 5 and turned:
-            fail("a page of version 5 with normals")
+            fail("a page of version %d with normals" % self.major)
         counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + turned) + [edges] * (key_bytes + turned)
         if len(counts) != planes:
             fail("number of planes")
@@ -211,19 +208,6 @@ class Index:
             levels.append(sums)
         return levels
 
-    def hidden_corners(self):
-        for first, _, corners, size, offset, _ in self.hidden:
-            data = self.data[offset : offset + size]
-            count, brick, key_bytes, planes = struct.unpack_from("<4I", data, 0)
-            if (count, brick, planes) != (corners, first, 4 + key_bytes):
-                fail("a page of hidden corners is not what its entry states")
-            parts = self.planes(data, 16, [count] * planes)
-            places, keys = ([int.from_bytes(bytes(p), "little") for p in zip(*(next(parts) for _ in range(width)))] for width in (4, key_bytes))
-            place = 0
-            for step, key in zip(places, keys):
-                place += step
-                yield (brick + place // 4096, place % 4096, key)
-
     def records(self, level=0):
         for entry in self.levels[level]["page_entries"]:
             yield from self.page(entry)
@@ -244,17 +228,8 @@ class Index:
                 yield (*(c // 8 for c in self.coords(point)), self.scalar(key), self.scalar(far))
 
     def samples(self):
-        if self.kind != "metacells":
-            fail("has no samples")
-        return self.values(SAMPLE[self.type])
-
-    def normals(self):
-        if self.kind != "edges" or self.major < 5:
-            fail("has no chunks of normals")
-        return self.values("H")
-
-    def values(self, letter):
         """What the chunks hold, x fastest."""
+        letter = SAMPLE[self.type]
         nx, ny, nz = self.dims
         sides = [(n + 15) // 16 for n in self.dims]
         values = [0] * (nx * ny * nz)
@@ -347,15 +322,14 @@ class Index:
             "max": self.max,
             "distinct_values": self.distinct,
             "index_bytes": self.file_bytes,
-            "hidden_corners": sum(page[2] for page in self.hidden),
             "finite": sum(self.histogram),
             "levels": levels,
         }
 
 
 def main(words):
-    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "records", "hidden", "samples", "normals", "planes", "active"):
-        fail("usage: read_index.py INDEX facts|edges|bricks|records|hidden|samples|normals|planes|active [LEVEL|VALUE...]")
+    if len(words) < 2 or words[1] not in ("facts", "edges", "bricks", "records", "samples", "planes", "active"):
+        fail("usage: read_index.py INDEX facts|edges|bricks|records|samples|planes|active [LEVEL|VALUE...]")
     index = Index(words[0])
     if words[1] == "facts":
         print(json.dumps(index.facts()))
@@ -367,13 +341,12 @@ def main(words):
         for key, point, form, ends, normal, normals in index.records(int(words[2])):
             entries = ((e, ends[e]) if normal is None else (e, ends[e], normals[e]) for e in sorted(ends))
             print(form, point, key, *([] if normal is None else [normal]), *(n for entry in entries for n in entry))
-    elif words[1] in ("samples", "normals"):
-        letter, nx = ("H" if words[1] == "normals" else SAMPLE[index.type]), index.dims[0]
-        values = index.normals() if words[1] == "normals" else index.samples()
+    elif words[1] == "samples":
+        letter, nx, values = SAMPLE[index.type], index.dims[0], index.samples()
         for row in range(0, len(values), nx):
             print(struct.pack("<%d%s" % (nx, letter), *values[row : row + nx]).hex())
     else:
-        for line in {"edges": index.edges, "bricks": index.brick_list, "hidden": index.hidden_corners}[words[1]]():
+        for line in {"edges": index.edges, "bricks": index.brick_list}[words[1]]():
             print(*line)
 
 

@@ -81,7 +81,6 @@ std::optional<Bytes> withRightChecksums(std::span<const std::byte> input) {
                     std::min<std::uint64_t>(index::kGroupChunks, chunks - i * index::kGroupChunks), preamble);
     for (index::LevelDirectory& level : meta.levels)
         std::ranges::for_each(level.pages, mend);
-    std::ranges::for_each(meta.hiddenPages, mend);
     appendMeta(file, preamble, index::encodeMeta(meta));
     return file;
 }
@@ -116,10 +115,7 @@ void readParts(const index::IndexReader& reader) {
                 status = index::decodePage<KeyOf<Sample>>(bytes, reader.grid(), decoded, "input.isx");
             requireGood(status);
         }
-    if (hasSampleChunks(reader.info()))
-        readChunks<Sample>(reader);
-    else if (hasNormalChunks(reader.info()))
-        readChunks<NormalCode>(reader);
+    readChunks<Sample>(reader);
 }
 
 /// A few long and short moves, then the surface.

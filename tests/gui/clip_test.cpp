@@ -375,17 +375,23 @@ TEST_F(ClipTest, TheCapFollowsPlaneAndIsovalueAndIsInSavedPictures) {
     EXPECT_EQ(cap().samples(), nullptr) << "nothing is kept for nobody";
 }
 
-TEST_F(ClipTest, AnIndexWithoutSamplesTellsWhyTheCutIsOpen) {
-    builder_->kind = index::IndexKind::Edges;
-    openBall(22);
-    ASSERT_TRUE(waitUntilSettled());
-    trigger("clip.plane");
-    ASSERT_TRUE(waitUntil([this] { return cap().isSettled(); }));
+TEST_F(ClipTest, AnIndexThatIsGoneTellsWhyTheCutIsOpen) {
     const auto* label = child<QLabel>("clipProblem");
-    EXPECT_EQ(cap().samples() == nullptr, !cap().problem().empty());
-    EXPECT_EQ(label->isHidden(), cap().problem().empty());
-    EXPECT_EQ(label->text().toStdString(), cap().problem());
-    EXPECT_FALSE(cap().problem().empty());
+    for (const bool isGone : {false, true}) {
+        builder_->kind = index::IndexKind::Edges;
+        openBall(22);
+        ASSERT_TRUE(
+            waitUntil([this] { return session_->indexState() == model::IndexState::Ready && session_->isSettled(); }));
+        if (isGone)
+            std::filesystem::remove(session_->dataset()->indexPath);
+        trigger("clip.plane");
+        ASSERT_TRUE(waitUntil([this] { return cap().isSettled(); }));
+        EXPECT_EQ(cap().samples() == nullptr, isGone);
+        EXPECT_EQ(cap().problem().empty(), !isGone);
+        EXPECT_EQ(label->isHidden(), cap().problem().empty());
+        EXPECT_EQ(label->text().toStdString(), cap().problem());
+        trigger("clip.plane");
+    }
 }
 
 TEST_F(ClipTest, WhatIsShownIsExportedAndTheCropClosed) {

@@ -208,15 +208,13 @@ TEST_F(ColourTest, AFieldOfAnotherGridIsRefused) {
     EXPECT_TRUE(action("colour.y").isChecked());
 }
 
-TEST_F(ColourTest, AnIndexWithoutSamplesCannotBeColouredByGradient) {
-    EXPECT_TRUE(action("colour.gradient").isEnabled());
+TEST_F(ColourTest, AnIndexOfEdgesIsColouredByGradientToo) {
     builder_->kind = index::IndexKind::Edges;
     openBall(20);
     ASSERT_TRUE(waitUntil([this] { return session_->dataset()->index && session_->isSettled(); }));
-    EXPECT_FALSE(action("colour.gradient").isEnabled());
-    EXPECT_TRUE(action("colour.gradient").toolTip().contains(QStringLiteral("holds no samples")));
-    EXPECT_TRUE(action("colour.x").isEnabled());
-    EXPECT_TRUE(action("colour.field").isEnabled());
+    std::filesystem::remove(folder_ / "ball.mha"); // its own samples do
+    choose("colour.gradient", ColourBy::Gradient);
+    EXPECT_TRUE(bar().isVisible());
 }
 
 TEST_F(ColourTest, TheBarStandsClearOfTheOthersAndInSavedPictures) {

@@ -3,7 +3,10 @@
 #include <QSlider>
 #include <QTest>
 
+#include "core/volume_io/volume_reader.h"
+#include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
+#include "tests/support/result_matchers.h"
 #include "ui/widgets/isovalue/detail_control.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/window/action_registry.h"
@@ -122,13 +125,29 @@ TEST_F(DetailControlTest, ColoursCellsByTheirSize) {
     EXPECT_TRUE(legend->isHidden());
 }
 
-TEST_F(DetailControlTest, IsNotForAnIndexOfEdges) {
+TEST_F(DetailControlTest, TakesTheErrorThatAnIndexWasBuiltWith) {
+    const auto source = io::openVolume(writeBall(folder_, "ball.mha", 24));
+    ASSERT_THAT(source, IsOk());
+    preprocess::BuildOptions options;
+    options.mergeError = {extract::MergeBound::Measure::Distance, 0.5};
+    ASSERT_THAT(preprocess::buildIndex(*source.value(), folder_ / "merged.isx", options), IsOk());
+    window_->openFile(qpath(folder_ / "merged.isx"));
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_EQ(value().toStdString(), "0.5 cells");
+    EXPECT_EQ(session_->frame()->mergeBound, (extract::MergeBound{extract::MergeBound::Measure::Distance, 0.5}));
+    const std::uint64_t merged = triangles();
+    press(Qt::Key_Home);
+    EXPECT_GT(triangles(), merged);
+}
+
+TEST_F(DetailControlTest, IsForAnIndexOfEdgesToo) {
     open(index::IndexKind::Edges);
-    EXPECT_FALSE(slider().isEnabled());
-    EXPECT_TRUE(window_->findChild<widgets::DetailControl*>()->toolTip().contains(QStringLiteral("metacells")));
+    EXPECT_TRUE(slider().isEnabled());
+    const auto all = triangles();
     session_->detail().setError({extract::MergeBound::Measure::Distance, 1.0});
     ASSERT_TRUE(waitUntilSettled());
-    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 1.0);
+    EXPECT_LT(triangles(), all);
 }
 
 } // namespace

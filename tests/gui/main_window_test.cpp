@@ -126,7 +126,7 @@ TEST_F(MainWindowTest, TheLevelsPanelIsFilledFromTheIndex) {
     openBall();
     const auto inLevels = static_cast<int>(session_->dataset()->index->levels.size());
     ASSERT_EQ(levels->model()->rowCount(), inLevels + 2);
-    EXPECT_EQ(levels->model()->index(inLevels, 0).data().toString(), QStringLiteral("Normals"));
+    EXPECT_EQ(levels->model()->index(inLevels, 0).data().toString(), QStringLiteral("Samples"));
     EXPECT_EQ(levels->model()->index(inLevels + 1, 0).data().toString(), QStringLiteral("All"));
     session_->isovalue().request(-3.0);
     ASSERT_TRUE(waitUntilSettled());

@@ -138,11 +138,11 @@ TEST_F(PiecesTest, ThoseThatLastShortlyAreHiddenByTheSlider) {
     EXPECT_EQ(view().options().pieces.leastPersistence, 0.0) << "finding made a step";
 }
 
-TEST_F(PiecesTest, WhereThereAreNoSamplesNoneIsHiddenByPersistenceAndWhyIsStated) {
+TEST_F(PiecesTest, WhereSamplesAreGoneNoneIsHiddenByPersistenceAndWhyIsStated) {
     builder_->kind = index::IndexKind::Edges;
     open();
     ASSERT_EQ(session_->samples(), nullptr);
-    std::filesystem::remove(folder_ / "cones.mha");
+    std::filesystem::remove(session_->dataset()->indexPath);
     showPanel();
     auto* persistence = child<QSlider>("piecePersistence");
     persistence->setFocus();

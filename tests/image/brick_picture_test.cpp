@@ -111,7 +111,7 @@ protected:
 TEST_F(BrickPictureTest, IsThatOfArrays) {
     for (const auto& [noise, bound] : {std::pair{0.0, 0.0}, std::pair{0.9, 0.0}, std::pair{0.0, 0.2}}) {
         open(noise);
-        ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, bound}), IsOk());
+        engine_->setMergeBound({extract::MergeBound::Measure::Distance, bound});
         for (const double isovalue : {0.1, 0.13, 0.4}) {
             const auto frame = slideTo(isovalue);
             auto arrays = std::make_shared<SurfaceFrame>(*frame);
@@ -195,7 +195,7 @@ TEST_F(BrickPictureTest, ShowsTheEdgesOfTriangles) {
         return sum;
     };
     const double plain = brightnessOf(false), all = brightnessOf(true);
-    ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, 0.3}), IsOk());
+    engine_->setMergeBound({extract::MergeBound::Measure::Distance, 0.3});
     const double merged = brightnessOf(true);
     EXPECT_LT(all, 0.9 * plain);
     EXPECT_GT(merged, all + 0.2 * (plain - all));
@@ -208,7 +208,7 @@ TEST_F(BrickPictureTest, ColoursMergedCellsByTheirLevel) {
         model::ViewOptions options;
         options.showsLevels = showsLevels;
         viewport_->setOptions(options);
-        EXPECT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, error}), IsOk());
+        engine_->setMergeBound({extract::MergeBound::Measure::Distance, error});
         const QImage image = grab(*viewport_, slideTo(0.1));
         double sum = 0.0;
         for (int y = 0; y < image.height(); ++y)
@@ -314,7 +314,7 @@ TEST_F(BrickPictureTest, SendsThePointsOfABrickOnce) {
 // Brick by brick: the card's positions and normals against those of the same formula on the processor.
 TEST_F(BrickPictureTest, HasVerticesWithinOneUnitInTheLastPlace) {
     open(0.9);
-    ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Scalar, 0.7}), IsOk());
+    engine_->setMergeBound({extract::MergeBound::Measure::Scalar, 0.7});
     const auto frame = slideTo(0.2);
     ASSERT_GT(frame->stats.activeLeaves[1], 50u);
     const auto& picture = *frame->bricks;

@@ -159,7 +159,7 @@ TEST_F(DraftImageTest, HasTheColoursOfPiecesAndHidesThem) {
 }
 
 TEST_F(DraftImageTest, HasTheColoursOfLevels) {
-    ASSERT_THAT(engine_->setMergeBound({extract::MergeBound::Measure::Distance, 0.3}), IsOk());
+    engine_->setMergeBound({extract::MergeBound::Measure::Distance, 0.3});
     slideTo(0.001);
     const QImage before = draw(Detail::Whole);
     view_.options.showsLevels = true;

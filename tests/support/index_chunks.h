@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "core/grid/normal_codec.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/index_writer.h"
 #include "core/index/sample_store.h"
@@ -24,17 +23,19 @@ inline Status copyChunks(const index::IndexReader& from, index::IndexWriter& to)
     return to.endChunks();
 }
 
-/// A chunk of an index of edges whose points have no normals.
-inline std::vector<std::byte> blankNormals(const index::ChunkExtent& extent) {
-    const std::vector<NormalCode> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]), kNoNormal);
-    return index::encodeChunk<NormalCode>(none, extent);
+/// A chunk whose samples are all 0.
+template <class Sample>
+std::vector<std::byte> blankSamples(const index::ChunkExtent& extent) {
+    const std::vector<Sample> none(static_cast<std::size_t>(extent[0] * extent[1] * extent[2]));
+    return index::encodeChunk<Sample>(none, extent);
 }
 
-/// All chunks of such an index.
-inline Status addBlankNormals(const GridDims& dims, index::IndexWriter& writer) {
+/// All chunks of an index of such samples.
+template <class Sample>
+Status addBlankSamples(const GridDims& dims, index::IndexWriter& writer) {
     const index::ChunkGrid chunks(dims);
     for (const index::ChunkIndex chunk : firstIds<index::ChunkIndex>(chunks.chunkCount()))
-        ISO_TRY(writer.addChunk(blankNormals(chunks.extent(chunk))));
+        ISO_TRY(writer.addChunk(blankSamples<Sample>(chunks.extent(chunk))));
     return writer.endChunks();
 }
 

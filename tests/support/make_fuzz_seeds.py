@@ -365,7 +365,7 @@ def without_histogram(index):
 
 
 def parts_of(index):
-    """Of an index without histogram: its pages, pages of hidden corners and chunks of samples."""
+    """Of an index without histogram: its pages and chunks of samples."""
     index, at = without_histogram(index)
     meta = struct.unpack_from("<Q", index, 16)[0]
     kind, scalar, *dims = struct.unpack_from("<BB3q", index, meta)
@@ -380,15 +380,11 @@ def parts_of(index):
             begin, _, size = struct.unpack_from("<2QI", index, at + 44 * page + 16)
             parts.append(("page", b"\0" + head + index[begin:begin + size]))
         at += 44 * pages + 32 * blocks
-    hidden = struct.unpack_from("<Q", index, at)[0]
-    for page in range(hidden):
-        _, last, corners, size, begin = struct.unpack_from("<4IQ", index, at + 8 + 32 * page)
-        parts.append(("hidden", b"\1" + head + struct.pack("<BH", last, corners) + index[begin:begin + size]))
-    at += 8 + 32 * hidden + 8
+    at += 8
     if struct.unpack_from("<Q", index, at)[0] > 0:
         begin, size = struct.unpack_from("<2Q", index, at + 8)
         samples = struct.unpack_from("<H", index, begin + size)[0]
-        parts.append(("chunk", b"\2" + head + index[begin:begin + samples]))
+        parts.append(("chunk", b"\1" + head + index[begin:begin + samples]))
     return parts
 
 

@@ -180,7 +180,7 @@ private:
             MeasuredError row{error, 0, 0, 0.0};
             const extract::MergeBound bound = extract::boundOf(error, measured_.facts.min, measured_.facts.max);
             if (engine) {
-                ISO_TRY(engine->setMergeBound(bound));
+                engine->setMergeBound(bound);
                 auto cost = walk(*engine, isovaluesOf(kErrorStepPercent, kErrorSteps), job);
                 if (!cost.isOk())
                     return cost.error();

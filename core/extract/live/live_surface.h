@@ -76,9 +76,6 @@ public:
     /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
     /// cells whose state is not known any more. O(active edges and cells of the brick).
     void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    /// Where the points of a brick that add() has started will be: what is written there now is read by nobody but who
-    /// makes the draft. REQUIRES: none were kept, and the brick has not been replaced yet.
-    PointLine* pointsToStart(BrickSlot slot) { return arenas_->points.at(bricks_[slot.index()].points.begin); }
     /// Puts the draft's points into the brick ahead of replace(), which then finds them there.
     void putPoints(BrickSlot slot, BrickDraft<Live>& draft);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.

@@ -38,24 +38,6 @@ struct WideBits {
                 _mm512_shrdi_epi64(_mm512_alignr_epi64(none, upper, kWord), _mm512_alignr_epi64(none, upper, kWord + 1),
                                    kBit)};
     }
-    // The string in which bit p is bit p - K.
-    template <int K>
-    HWY_INLINE WideBits up() const {
-        constexpr int kWord = K / 64, kBit = K % 64;
-        static_assert(kBit != 0 && kWord < 7);
-        const __m512i none = _mm512_setzero_si512();
-        __m512i lowerAt = lower, upperAt = upper;
-        if constexpr (kWord > 0) {
-            lowerAt = _mm512_alignr_epi64(lower, none, 8 - kWord);
-            upperAt = _mm512_alignr_epi64(upper, lower, 8 - kWord);
-        }
-        return {_mm512_shldi_epi64(lowerAt, _mm512_alignr_epi64(lower, none, 7 - kWord), kBit),
-                _mm512_maskz_shldi_epi64(kUpperWords, upperAt, _mm512_alignr_epi64(upper, lower, 7 - kWord), kBit)};
-    }
-    HWY_INLINE bool isEmpty() const {
-        const __m512i any = _mm512_or_si512(lower, upper);
-        return _mm512_test_epi64_mask(any, any) == 0;
-    }
     friend HWY_INLINE WideBits operator&(const WideBits& a, const WideBits& b) {
         return {_mm512_and_si512(a.lower, b.lower), _mm512_and_si512(a.upper, b.upper)};
     }

@@ -234,9 +234,6 @@ Result<std::unique_ptr<SliceSampler>> openSliceSampler(const std::filesystem::pa
     auto reader = index::IndexReader::open(indexPath);
     if (!reader.isOk())
         return reader.error();
-    if (reader.value()->info().kind != index::IndexKind::Metacells)
-        return makeError(ErrorCode::InvalidArgument, "is an index of edges, which holds no samples",
-                         indexPath.string());
     return visitScalarType(reader.value()->info().type, [&](auto sample) -> std::unique_ptr<SliceSampler> {
         return std::make_unique<StoredSampler<decltype(sample)>>(std::move(reader).value(), cacheBytes);
     });

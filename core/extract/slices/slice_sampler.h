@@ -27,9 +27,8 @@ std::unique_ptr<SliceSampler> makeSliceSampler(std::shared_ptr<const ScalarGrid>
 /// Decoded samples that are kept of an index, so that the slices beside one are there at once.
 inline constexpr std::uint64_t kSliceCacheBytes = std::uint64_t{128} << 20;
 
-/// Of an index of metacells: of its samples, those chunks are decoded that the plane passes through, and at most
-/// `cacheBytes` are kept, but never below the 2048 chunks that some few pixels may need. Errors: those of opening an
-/// index; InvalidArgument of one of edges, which holds no samples.
+/// Of an index: of its samples, those chunks are decoded that the plane passes through, and at most `cacheBytes` are
+/// kept, but never below the 2048 chunks that some few pixels may need. Errors: those of opening an index.
 Result<std::unique_ptr<SliceSampler>> openSliceSampler(const std::filesystem::path& indexPath,
                                                        std::uint64_t cacheBytes = kSliceCacheBytes);
 

@@ -25,6 +25,7 @@ struct BrickSource<Sample>::Scratch {
     /// Bricks whose leaves are others now, and what they were.
     std::vector<std::pair<BrickSlot, BrickLeaves>> otherLeaves;
     std::uint64_t bricks = 0, edgesAdded = 0, edgesRemoved = 0;
+    bool isConsistent = true; ///< the list has as many edges as bricks have
 };
 
 // Where the points of the job's brick are: those that it will have from now on.

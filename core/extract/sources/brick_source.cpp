@@ -24,19 +24,22 @@
 
 namespace isoslider::extract {
 template <class Sample>
-BrickSource<Sample>::BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples,
-                                 std::uint64_t cacheBytes)
-    : WalkedSource<Sample>(bricks, cacheBytes),
+BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sample>& samples,
+                                 std::uint64_t cacheBytes, const MergeBound& listBound)
+    : WalkedSource<Sample>(list, cacheBytes),
       samples_(samples),
-      inverseSpacing_(inverseSpacingOf(bricks.info().geometry)),
-      slotOf_(bricks.grid().brickCount()),
-      leavesOf_(bricks.grid().brickCount()),
-      sureCells_(bricks.grid().brickCount()),
-      edgeSamples_(bricks.grid().brickCount()),
-      exceedingEdges_(bricks.grid().brickCount()),
-      foundSigns_(bricks.grid().brickCount()),
+      inverseSpacing_(inverseSpacingOf(list.info().geometry)),
+      listBound_(listBound),
+      slotOf_(list.grid().brickCount()),
+      leavesOf_(list.grid().brickCount()),
+      sureCells_(list.grid().brickCount()),
+      edgeSamples_(list.grid().brickCount()),
+      exceedingEdges_(list.grid().brickCount()),
+      foundSigns_(list.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
-    slotOf_.grow(bricks.grid().brickCount());
+    slotOf_.grow(list.grid().brickCount());
+    if (list.info().kind == index::IndexKind::Edges)
+        edgeCounts_ = std::make_unique<BrickEdgeCounts<Key>>(list.grid());
 }
 
 template <class Sample>
@@ -69,6 +72,8 @@ void BrickSource<Sample>::reset() {
 template <class Sample>
 Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
                                       std::stop_token stop, NetBricks& net) {
+    if (edgeCounts_)
+        return netBricksOfEdges(lower, upper, goesUp, false, stats, stop, net);
     const BrickGrid& grid = reader_.grid();
     tbb::enumerable_thread_specific<NetBricks> nets;
     const auto take = [&](const Part& part) {
@@ -93,6 +98,25 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
     return {};
 }
 
+// Those that get their first active edge or lose their last one. `isAhead`: the position stays what it is.
+template <class Sample>
+Status BrickSource<Sample>::netBricksOfEdges(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead,
+                                             SlideStats& stats, std::stop_token stop, NetBricks& net) {
+    edgeCounts_->beginWalk(lower, upper, goesUp);
+    ISO_TRY(walk_.visit(lower, upper, stats, stop, [this](const Part& part) { return edgeCounts_->add(part); }));
+    const auto changes = edgeCounts_->changes();
+    for (const auto& change : changes) {
+        const std::uint32_t before = edgeCounts_->at(change.brick);
+        const bool arrives = before == 0, leaves = static_cast<int>(before) + change.edges == 0;
+        if ((arrives || leaves) && (!region_ || region_->contains(reader_.grid().brickCoords(change.brick))))
+            (arrives ? net.arrive : net.leave).push_back(change.brick);
+    }
+    if (!isAhead && !edgeCounts_->apply(changes))
+        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
+                         reader_.pathString());
+    return {};
+}
+
 // All that are active at a threshold: from whichever end there are fewer.
 template <class Sample>
 Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
@@ -103,6 +127,9 @@ Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std
         const bool fromBelow = cost(lowest(), at) <= cost(at, highest());
         const std::uint64_t lost = walk_.pagesLost();
         net = {};
+        if (edgeCounts_)
+            edgeCounts_->clear();
+        hasEdgeCounts_ = true;
         Status found = fromBelow ? netBricks(lowest(), at, true, stats, stop, net)
                                  : netBricks(at, highest(), false, stats, stop, net);
         if (found.isOk() || found.isCancelled())
@@ -117,6 +144,7 @@ Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std
 // The same without the list: what its damaged pages say of the bricks, their samples say too.
 template <class Sample>
 Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
+    hasEdgeCounts_ = false;
     const BrickGrid& grid = reader_.grid();
     std::vector<BrickIndex> bricks;
     for (const BrickIndex brick : firstIds<BrickIndex>(grid.brickCount()))
@@ -158,11 +186,24 @@ Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, 
     return {};
 }
 
-// What comes and goes where the region has become another one: of all that are active after the move those that are not
+// Whether the bricks that are active after the move are all looked up: where the region has become another one, where
+// it is not known how many edges each brick has, and where that is cheaper: from an end of the list there are fewer
+// entries on the way, but all bricks are gone through.
+template <class Sample>
+bool BrickSource<Sample>::isLookedUp(const Move& move) const {
+    if (hasNewRegion_ || !edgeCounts_)
+        return hasNewRegion_;
+    const std::uint64_t fromEnd = std::min(walk_.estimate(lowest(), move.to), walk_.estimate(move.to, highest()));
+    constexpr std::uint64_t kEntriesPerBrick = 8; // that cost as much
+    return !hasEdgeCounts_ || walk_.estimate(std::min(move.from, move.to), std::max(move.from, move.to)) >
+                                  fromEnd + kEntriesPerBrick * watch_.size();
+}
+
+// What comes and goes where all are looked up: of all that are active after the move those that are not
 // live yet; and all others that are.
 template <class Sample>
-Status BrickSource<Sample>::bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
-                                           std::stop_token stop, NetBricks& net) {
+Status BrickSource<Sample>::lookUpBricks(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats,
+                                         std::stop_token stop, NetBricks& net) {
     ISO_TRY(activeBricks(move.to, stats, stop, net));
     std::vector<bool> stays(watch_.size(), false);
     std::erase_if(net.arrive, [&](BrickIndex brick) {
@@ -182,8 +223,8 @@ template <class Sample>
 Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats,
                                             std::stop_token stop, std::vector<Job>& jobs) {
     NetBricks net;
-    if (hasNewRegion_)
-        ISO_TRY(bricksOfRegion(move, surface, stats, stop, net));
+    if (!isEnd(move.from) && isLookedUp(move))
+        ISO_TRY(lookUpBricks(move, surface, stats, stop, net));
     else if (isEnd(move.from))
         ISO_TRY(activeBricks(move.to, stats, stop, net));
     else
@@ -280,6 +321,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     for (Scratch& scratch : *scratches_) {
         scratch.draft.beginMove();
         scratch.bricks = scratch.edgesAdded = scratch.edgesRemoved = 0;
+        scratch.isConsistent = true;
     }
     if (bound_.limit > 0.0 && bound_ != sureBound_) { // a handle that is dragged merges cells, one that rests may not
         sureCells_.release(0);
@@ -311,11 +353,15 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         }
     });
     for (Scratch& scratch : *scratches_) {
+        if (!scratch.isConsistent)
+            return makeError(ErrorCode::Corruption, "index contradicts itself: its edges are not those of its samples",
+                             reader_.pathString());
         surface.finishMove(scratch.draft);
         stats.bricksRead += scratch.bricks;
         stats.edgesAdded += scratch.edgesAdded;
         stats.edgesRemoved += scratch.edgesRemoved;
-        stats.edgesTouched += scratch.edgesAdded + scratch.edgesRemoved;
+        if (!edgeCounts_) // else those of the list have been
+            stats.edgesTouched += scratch.edgesAdded + scratch.edgesRemoved;
         stats.cellsResolved += scratch.draft.counts.cellsDecided;
         stats.cellsRetriangulated += scratch.draft.counts.cellsChanged;
     }
@@ -488,6 +534,17 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
     scratch.edgesAdded += found.edgesAdded;
     scratch.edgesRemoved += found.edgesRemoved;
     ++scratch.bricks;
+    compareEdgeCount(surface, job, scratch);
+}
+
+// A list of edges has as many of the brick as its surface. Beside missing samples it has edges, too, that only cells of
+// other bricks have; at the border of a region cells are smaller than it knows.
+template <class Sample>
+void BrickSource<Sample>::compareEdgeCount(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
+    if (edgeCounts_ && hasEdgeCounts_ && bound_ == listBound_ && (bound_.limit == 0.0 || !region_) &&
+        !surface.brick(job.slot).isNearMissing)
+        scratch.isConsistent =
+            scratch.isConsistent && edgeCounts_->at(brickOf_[job.slot.index()]) == scratch.draft.edgeVertices;
 }
 
 template <class Sample>
@@ -513,7 +570,9 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
     return one.execute([&]() -> Status {
         SlideStats stats;
         NetBricks net;
-        Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, stats, stop, net);
+        const KeyThreshold lower = std::min(from, to), upper = std::max(from, to);
+        Status fetched = edgeCounts_ ? netBricksOfEdges(lower, upper, from < to, true, stats, stop, net)
+                                     : netBricks(lower, upper, from < to, stats, stop, net);
         if (fetched.isOk()) {
             sortForReading(net.arrive, !readsBackwards_);
             fetched = samples_.fetch(net.arrive, stats, stop);

@@ -10,6 +10,7 @@
 
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/one_leaf.h"
+#include "core/extract/sources/brick_edge_counts.h"
 #include "core/extract/sources/leaf_finding.h"
 #include "core/extract/sources/lines_ahead.h"
 #include "core/extract/sources/point_kernels.h"
@@ -20,12 +21,13 @@
 
 namespace isoslider::extract {
 
-/// Changes of the live surface from bricks of samples (the paper's metacells, section 3).
+/// Changes of the live surface from bricks of samples.
 ///
-/// A brick is active at the thresholds between the least and the greatest of its 9^3 samples, and only then has it
-/// active edges. So bricks become active and inactive at values as edges do, and their skip list is the same list: a
-/// record is a brick at its least (far key: greatest) or greatest key, a brick with both ends in a block's interval
-/// is redundant there.
+/// Which bricks are active comes from a skip list. That of metacells (the paper's section 3) is one of bricks: a brick
+/// is active at the thresholds between the least and the greatest of its 9^3 samples, and only then has it active
+/// edges. So bricks become active and inactive at values as edges do: a record is a brick at its least (far key:
+/// greatest) or greatest key, a brick with both ends in a block's interval is redundant there. That of edges (section
+/// 2) states which edges become active and inactive: a brick is active while it has some (BrickEdgeCounts).
 ///
 /// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
 /// read; those that arrive are read once and become the brick's points, as small as their type allows, with normals. Of
@@ -35,7 +37,7 @@ namespace isoslider::extract {
 ///
 /// Where the list is damaged on every way to a threshold, the bricks active there are found from all samples.
 ///
-/// Cost: O(log N + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
+/// Cost: O(log N + records on the way + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
 template <class Sample>
 class BrickSource final : public WalkedSource<Sample> {
 public:
@@ -45,14 +47,14 @@ public:
     using WalkedSource<Sample>::highest;
     using typename ChangeSource<Live>::Move;
 
-    /// `bricks` is the list of brick changes; it and `samples` must outlive the source.
-    BrickSource(const index::IndexReader& bricks, SampleReader<Sample>& samples, std::uint64_t cacheBytes);
+    /// `list` states what becomes active and inactive, bricks or edges; it and `samples` must outlive the source.
+    /// `listBound`: within which the cells were merged that edges carry vertices for.
+    BrickSource(const index::IndexReader& list, SampleReader<Sample>& samples, std::uint64_t cacheBytes,
+                const MergeBound& listBound = {});
     ~BrickSource() override;
 
     Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& control) override;
-    bool canMerge() const override { return true; }
     void setMergeBound(const MergeBound& bound) override;
-    bool canBound() const override { return true; }
     void setRegion(const std::optional<BrickBox>& region) override {
         if (region == region_)
             return;
@@ -60,8 +62,8 @@ public:
         region_ = region;
         hasNewRegion_ = true;
     }
-    /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive. Where that way is
-    /// damaged, all samples.
+    /// Nothing but from an empty surface: bricks that stay are never dearer than bricks that arrive, whatever way the
+    /// list is walked (isLookedUp()). Where that way is damaged, all samples.
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         if (!isEnd(from))
             return 0;
@@ -122,11 +124,14 @@ private:
     bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
     void reset();
     Status activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    Status netBricksOfEdges(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead, SlideStats& stats,
+                            std::stop_token stop, NetBricks& net);
+    bool isLookedUp(const Move& move) const;
     Status bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
     Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
                      NetBricks& net);
-    Status bricksOfRegion(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
-                          NetBricks& net);
+    Status lookUpBricks(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
+                        NetBricks& net);
     Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
                            std::vector<Job>& jobs);
     void listCrossed(const Move& move, const LiveSurface<Live>& surface, std::vector<Job>& jobs,
@@ -152,6 +157,7 @@ private:
     void addBricksBeside(const LiveSurface<Live>& surface, std::vector<Job>& jobs) const;
     bool begin(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
+    void compareEdgeCount(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     static const Points& pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch);
     void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
@@ -159,6 +165,9 @@ private:
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
+    std::unique_ptr<BrickEdgeCounts<Key>> edgeCounts_; ///< with a list of edges
+    bool hasEdgeCounts_ = false; ///< they are those of the position
+    MergeBound listBound_; ///< of the cells whose edges they are
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick

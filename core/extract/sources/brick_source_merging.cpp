@@ -255,6 +255,7 @@ void BrickSource<Sample>::makeOneLeaf(const Move& move, LiveSurface<Live>& surfa
                                 keyOf(sampleOf<Sample>(scratch.foundOnEdges.down))};
     isMadeOfEdges_[job.slot.index()] = true;
     ++scratch.bricks;
+    compareEdgeCount(surface, job, scratch);
 }
 
 #define ISO_INSTANTIATE(Sample, Name) \

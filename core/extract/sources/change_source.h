@@ -11,9 +11,8 @@
 
 namespace isoslider::extract {
 
-/// The seam that everything hangs on: what changes between two isovalues. Edge blocks are one source; bricks of
-/// samples, on disk or in memory, are others. All feed the same live surface, which knows none of them: they find out
-/// which bricks change, and what is in those.
+/// The seam that everything hangs on: what changes between two isovalues. Which bricks change and what is
+/// in those is the source's business; the live surface knows nothing of skip lists and samples.
 template <class Live>
 class ChangeSource {
 public:
@@ -30,11 +29,9 @@ public:
     /// Cancelled; the surface must be cleared then.
     virtual Status move(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, const JobControl& job) = 0;
 
-    virtual bool canMerge() const { return false; }
     /// From the next move on, cells are merged within the bound; that move makes all live bricks again.
     virtual void setMergeBound(const MergeBound&) {}
 
-    virtual bool canBound() const { return false; }
     /// From the next move on, the surface has bricks in the region only; none: all. That move looks at all active ones.
     virtual void setRegion(const std::optional<BrickBox>&) {}
 

@@ -36,11 +36,10 @@ void storeBricks(const std::array<Sample, Count>& chunk, Sample* out) {
 } // namespace
 
 template <class Sample>
-StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes, int apron)
+StoredSamples<Sample>::StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes)
     : store_(reader),
       dims_(reader.info().geometry.dims),
       bricks_(dims_),
-      apron_(apron),
       capacity_(capacityFor(cacheBytes, kSamples * sizeof(Sample), store_.chunks().chunkCount())),
       samples_(capacity_ * kSamples),
       slotOf_(store_.chunks().chunkCount()) {}
@@ -54,11 +53,12 @@ std::uint64_t StoredSamples<Sample>::orderOf(BrickIndex brick) const {
 
 template <class Sample>
 typename StoredSamples<Sample>::Neighbourhood StoredSamples<Sample>::neighbourhood(BrickIndex brick) const {
+    constexpr std::int64_t kApron = 1; // beyond a brick's own 9^3, for gradients
     const auto b = bricks_.brickCoords(brick);
     Neighbourhood around;
     for (std::size_t a = 0; a < 3; ++a) {
-        const std::int64_t begin = std::max<std::int64_t>(0, b[a] * kBrickSide - apron_);
-        const std::int64_t last = std::min(dims_[a] - 1, (b[a] + 1) * kBrickSide + apron_);
+        const std::int64_t begin = std::max<std::int64_t>(0, b[a] * kBrickSide - kApron);
+        const std::int64_t last = std::min(dims_[a] - 1, (b[a] + 1) * kBrickSide + kApron);
         around.first[a] = begin / kSide;
         around.count[a] = static_cast<int>(last / kSide - around.first[a]) + 1;
     }

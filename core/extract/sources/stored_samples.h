@@ -9,7 +9,7 @@
 
 namespace isoslider::extract {
 
-/// The samples of an index of metacells, or the normals of one of edges, behind a cache of decoded chunks.
+/// The samples of an index behind a cache of decoded chunks.
 ///
 /// The cache is an array of slots of one chunk each, in which the samples of a brick lie together: a brick that arrives
 /// reads fewer lines than if rows ran through the chunk, most of them one behind the other. Bricks are made ready in
@@ -20,9 +20,8 @@ namespace isoslider::extract {
 template <class Sample>
 class StoredSamples final : public SampleReader<Sample> {
 public:
-    /// `reader` must outlive this. At most `cacheBytes` of decoded samples are kept. `apron`: points beyond a brick's
-    /// own 9^3 that are read with it, 1 for gradients or 0.
-    StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes, int apron = 1);
+    /// `reader` must outlive this. At most `cacheBytes` of decoded samples are kept.
+    StoredSamples(const index::IndexReader& reader, std::uint64_t cacheBytes);
 
     std::uint64_t orderOf(BrickIndex brick) const override;
     Result<std::size_t> prepare(std::span<const BrickIndex> bricks, SlideStats& stats, std::stop_token stop) override;
@@ -89,7 +88,6 @@ private:
     index::SampleStore store_;
     GridDims dims_;
     BrickGrid bricks_;
-    int apron_;
     std::size_t capacity_;
     VirtualArray<Sample> samples_;
     VirtualArray<Slot> slotOf_; ///< by chunk

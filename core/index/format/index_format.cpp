@@ -19,7 +19,7 @@ namespace isoslider::index {
 namespace {
 
 // Read too, never written: the first of edges, the other of both kinds.
-constexpr std::uint16_t kFirstMajorOfEdges = 3, kFirstMajorOfMetacells = 4;
+constexpr std::uint16_t kFirstMajorOfEdges = 6, kFirstMajorOfMetacells = 4;
 
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxHistogramBins = 1u << 16;
@@ -89,7 +89,6 @@ void putLevel(ByteWriter& out, const SkipLevelInfo& info, const LevelDirectory& 
 
 constexpr std::size_t kPageEntryBytes = 44;
 constexpr std::size_t kBlockEntryBytes = 32;
-constexpr std::size_t kHiddenPageEntryBytes = 32;
 
 // Reports what is wrong, or nothing.
 const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDirectory& level,
@@ -129,39 +128,6 @@ const char* getLevel(ByteReader& in, bool isLevel0, SkipLevelInfo& info, LevelDi
     return in.hasFailed() ? "level directory is cut off" : nullptr;
 }
 
-void putHiddenPages(ByteWriter& out, const std::vector<HiddenPageEntry>& pages) {
-    out.put<std::uint64_t>(pages.size());
-    for (const HiddenPageEntry& page : pages) {
-        for (const std::uint32_t value : {page.firstBrick.number(), page.lastBrick.number(), page.corners, page.bytes})
-            out.put<std::uint32_t>(value);
-        out.put<std::uint64_t>(page.offset);
-        out.put<std::uint64_t>(page.checksum);
-    }
-}
-
-bool getHiddenPages(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
-    const std::uint64_t count = in.get<std::uint64_t>();
-    if (in.hasFailed() || count > in.remaining() / kHiddenPageEntryBytes)
-        return false;
-    meta.hiddenPages.resize(count);
-    std::uint64_t nextBrick = 0;
-    for (HiddenPageEntry& page : meta.hiddenPages) {
-        page.firstBrick = BrickIndex(in.get<std::uint32_t>());
-        page.lastBrick = BrickIndex(in.get<std::uint32_t>());
-        page.corners = in.get<std::uint32_t>();
-        page.bytes = in.get<std::uint32_t>();
-        page.offset = in.get<std::uint64_t>();
-        page.checksum = in.get<std::uint64_t>();
-        if (page.firstBrick.number() < nextBrick || page.lastBrick < page.firstBrick ||
-            page.lastBrick - page.firstBrick >= kMaxHiddenPageBricks || page.corners == 0 ||
-            page.corners > kMaxHiddenPageCorners || page.bytes > kMaxHiddenPageBytes || page.offset < kPreambleBytes ||
-            page.offset > preamble.metaOffset || page.bytes > preamble.metaOffset - page.offset)
-            return false;
-        nextBrick = std::uint64_t{page.lastBrick.number()} + 1;
-    }
-    return nextBrick <= BrickGrid(meta.info.geometry.dims).brickCount();
-}
-
 void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
     out.put<std::uint64_t>(meta.info.chunkBytes);
     out.put<std::uint64_t>(meta.chunkGroups.size());
@@ -172,13 +138,10 @@ void putChunkGroups(ByteWriter& out, const IndexMeta& meta) {
 
 bool getChunkGroups(ByteReader& in, IndexMeta& meta, const Preamble& preamble) {
     meta.info.chunkBytes = in.get<std::uint64_t>();
-    if (preamble.major == kFirstMajorOfEdges)
-        in.get<std::uint64_t>(); // bytes of errors, which only metacells had
     const std::uint64_t count = in.get<std::uint64_t>();
     const ChunkGrid grid(meta.info.geometry.dims);
-    const bool hasChunks = hasSampleChunks(meta.info) || hasNormalChunks(meta.info);
     if (in.hasFailed() || count > in.remaining() / kGroupDirectoryBytes ||
-        count != (hasChunks ? chunkGroupCount(grid) : 0))
+        count != (hasSampleChunks(meta.info) ? chunkGroupCount(grid) : 0))
         return false;
     meta.chunkGroups.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -263,14 +226,6 @@ bool hasIndexMagic(std::span<const std::byte> firstBytes) {
            std::memcmp(firstBytes.data(), kIndexMagic, sizeof kIndexMagic) == 0;
 }
 
-void countHiddenCorners(IndexMeta& meta) {
-    meta.info.hiddenCorners = meta.info.hiddenCornerBytes = 0;
-    for (const HiddenPageEntry& page : meta.hiddenPages) {
-        meta.info.hiddenCorners += page.corners;
-        meta.info.hiddenCornerBytes += page.bytes;
-    }
-}
-
 std::uint64_t metaChecksum(std::span<const std::byte> bytes) { return hashBytes(bytes, 0); }
 
 std::uint64_t pageChecksum(std::span<const std::byte> bytes, std::uint64_t seed, std::uint64_t offset) {
@@ -308,11 +263,8 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
                              std::to_string(preamble.major) + ", this program reads version " +
                              std::to_string(kFormatMajor) + ": open it with that version, or build it again",
                          path, sizeof kIndexMagic);
-    if (preamble.major < kFirstMajorOfEdges)
-        return tooOld(preamble.major,
-                      preamble.major == 1 ? "lacks the samples on which tunnels depend"
-                                          : "does not state what kind of index it is",
-                      path);
+    if (preamble.major < kFirstMajorOfMetacells)
+        return tooOld(preamble.major, "keeps samples in another way, or none", path);
     for (std::uint64_t* value :
          {&preamble.metaOffset, &preamble.metaBytes, &preamble.metaChecksum, &preamble.fileBytes, &preamble.seed})
         *value = in.get<std::uint64_t>();
@@ -356,7 +308,6 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
     out.put<std::uint32_t>(static_cast<std::uint32_t>(meta.levels.size()));
     for (std::size_t i = 0; i < meta.levels.size(); ++i)
         putLevel(out, info.levels[i], meta.levels[i]);
-    putHiddenPages(out, meta.hiddenPages);
     putChunkGroups(out, meta);
     putMissingCells(out, meta.missingCells);
     out.put<std::uint8_t>(info.isMergeErrorInCells);
@@ -381,8 +332,8 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         return corrupt("kind of index");
     info.kind = static_cast<IndexKind>(kind);
     info.formatMajor = preamble.major;
-    if (preamble.major < kFirstMajorOfMetacells && info.kind != IndexKind::Edges)
-        return tooOld(preamble.major, "keeps the samples of metacells between errors of merged cells", path);
+    if (preamble.major < kFirstMajorOfEdges && info.kind == IndexKind::Edges)
+        return tooOld(preamble.major, "keeps no samples with the edges", path);
     const std::uint8_t type = in.get<std::uint8_t>();
     if (type >= kAllScalarTypes.size())
         return corrupt("scalar type");
@@ -412,13 +363,13 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     for (std::size_t i = 0; i < levels; ++i)
         if (const char* fault = getLevel(in, i == 0, info.levels[i], meta.levels[i], preamble))
             return corrupt(fault);
-    if (!getHiddenPages(in, meta, preamble) || (info.kind != IndexKind::Edges && !meta.hiddenPages.empty()))
-        return corrupt("pages of hidden corners");
+    if (preamble.major < kFirstMajorOfEdges && in.get<std::uint64_t>() != 0) // pages that only edges had
+        return corrupt("pages of metacells");
     if (!getChunkGroups(in, meta, preamble))
         return corrupt("chunk groups");
     if (!getMissingCells(in, meta.missingCells, BrickGrid(info.geometry.dims)))
         return corrupt("missing cells");
-    if (preamble.major > kFirstMajorOfEdges && !getMergeError(in, info))
+    if (!getMergeError(in, info))
         return corrupt("error of merged cells");
     if (preamble.minor >= 1)
         info.lengthUnit = in.getString(kMaxLengthUnitBytes);
@@ -432,7 +383,6 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
     if (in.hasFailed() || (in.remaining() != 0 && preamble.minor <= kFormatMinor))
         return corrupt("length");
     info.indexBytes = preamble.fileBytes;
-    countHiddenCorners(meta);
     return meta;
 }
 

@@ -15,21 +15,13 @@ namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 5;
+inline constexpr std::uint16_t kFormatMajor = 6;
 inline constexpr std::uint16_t kFormatMinor = 2;
-/// Up to the version before, normals stood in the records of pages, those of far ends too.
-inline constexpr int kFirstMajorWithNormalChunks = 5;
+/// Up to this version normals stood in the records of pages, those of far ends too.
+inline constexpr int kLastMajorWithNormals = 4;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
-
-/// Places of hidden corners in a brick: 8 corners of 512 cells. No page holds more, so whole bricks fit into one.
-inline constexpr std::uint32_t kHiddenPlacesPerBrick = 8 * kBrickPoints;
-inline constexpr std::uint32_t kMaxHiddenPageCorners = kHiddenPlacesPerBrick;
-/// A page reaches over fewer bricks: places within a page have 32 bits.
-inline constexpr std::uint32_t kMaxHiddenPageBricks = 1u << 20;
-/// No page of hidden corners is longer: 12 planes, none compressed.
-inline constexpr std::size_t kMaxHiddenPageBytes = 16 + 12 * (4 + kMaxHiddenPageCorners);
 
 /// The first bytes of the file: where everything else is.
 struct Preamble {
@@ -69,16 +61,6 @@ struct LevelDirectory {
     std::vector<BlockEntry> blocks;
 };
 
-/// One encoded page of hidden corners (hidden_corner_codec.h), and the bricks of its cells.
-struct HiddenPageEntry {
-    BrickIndex firstBrick;
-    BrickIndex lastBrick; ///< the last one with an entry
-    std::uint32_t corners = 0;
-    std::uint32_t bytes = 0;
-    std::uint64_t offset = 0;
-    std::uint64_t checksum = 0;
-};
-
 /// Chunks that lie one after the other, and the table of them that follows (chunk_table.h): a group.
 struct ChunkGroupEntry {
     std::uint64_t offset = 0;
@@ -96,33 +78,21 @@ struct MissingCells {
 struct IndexMeta {
     IndexInfo info;
     std::vector<LevelDirectory> levels;
-    std::vector<HiddenPageEntry> hiddenPages; ///< ascending, no brick in two
-    std::vector<ChunkGroupEntry> chunkGroups; ///< as many as the grid needs; none without chunks
+    std::vector<ChunkGroupEntry> chunkGroups; ///< as many as the grid needs; none of a list of bricks
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 
-/// Whether chunks hold normals, of edges, or samples, of metacells. There are none of a list of bricks, nor of edges of
-/// earlier versions.
-inline bool hasNormalChunks(const IndexInfo& info) {
-    return info.kind == IndexKind::Edges && info.formatMajor >= kFirstMajorWithNormalChunks;
-}
-/// Edges of earlier versions: pages without normals, which are all that is written, are none of theirs.
-inline bool needsPagesWithNormals(const IndexInfo& info) {
-    return info.kind == IndexKind::Edges && info.formatMajor < kFirstMajorWithNormalChunks;
-}
-/// Whether a page belongs to the index, by whether it has normals. Those of earlier versions may lack them where they
-/// mean nothing: levels of metacells are built later, too.
+/// Whether a page belongs to the index, by whether it has normals. Those of earlier versions may lack them: they mean
+/// nothing, and levels are built later, too.
 inline bool isPageOfVersion(const IndexInfo& info, bool hasNormals) {
-    return hasNormals ? info.formatMajor < kFirstMajorWithNormalChunks : !needsPagesWithNormals(info);
+    return !hasNormals || info.formatMajor <= kLastMajorWithNormals;
 }
-inline bool hasSampleChunks(const IndexInfo& info) { return info.kind == IndexKind::Metacells; }
+/// Not of a list of bricks.
+inline bool hasSampleChunks(const IndexInfo& info) { return info.kind != IndexKind::BrickList; }
 
 std::vector<std::byte> encodePreamble(const Preamble& preamble);
 /// Errors: InvalidArgument (not an index), UnsupportedVersion, Corruption.
 Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t fileBytes, const std::string& path);
-
-/// Sets the sums in `meta.info` that follow from the directory of hidden corners.
-void countHiddenCorners(IndexMeta& meta);
 
 /// The least minor version whose readers know all of `meta`: files of volumes without a
 /// unit that were not resampled stay those of 4.0.

@@ -42,9 +42,7 @@ struct IndexInfo {
     std::uint64_t distinctValues = 0;
     std::uint64_t nanCount = 0; ///< missing samples: NaN and Inf
     std::uint64_t indexBytes = 0;
-    std::uint64_t hiddenCorners = 0; ///< samples stored because sliding cannot learn them from active edges
-    std::uint64_t hiddenCornerBytes = 0; ///< encoded bytes of their pages
-    std::uint64_t chunkBytes = 0; ///< encoded bytes of the chunks: samples of metacells, normals of edges
+    std::uint64_t chunkBytes = 0; ///< encoded bytes of the chunks of samples
     double redundancyThreshold = 0.0; ///< k of the paper, section 2.1
     /// Edges: within how much cells are merged (PAPER 2.2); 0: they are not, or are while sliding.
     double mergeError = 0.0;

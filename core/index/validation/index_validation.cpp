@@ -6,7 +6,6 @@
 #include "core/index/index_appendix.h"
 #include "core/index/validation/fault_list.h"
 #include "core/index/validation/level_checks.h"
-#include "core/index/validation/normal_checks.h"
 #include "core/index/validation/part_checks.h"
 #include "core/index/validation/sample_survey.h"
 
@@ -31,20 +30,16 @@ public:
             return {}; // comparing more would name the same again
         const bool isEdges = reader_.info().kind == IndexKind::Edges;
         Level0Sums sums(reader_.grid().brickCount());
-        const bool readsLevels = options_.isFull || (options_.volume && isEdges);
-        if (readsLevels) {
+        const bool comparesEdges = options_.volume && isEdges && !options_.isFull;
+        if (options_.isFull || comparesEdges)
             ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));
-            ISO_TRY(checkHiddenPages(reader_, faults_, job));
-        }
         const SurveyOptions ofSamples{options_.memoryBytes, "the samples"},
             ofVolume{options_.memoryBytes, "the volume"};
-        if (options_.isFull && !isEdges)
+        if (options_.isFull)
             ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0)));
-        if (options_.volume && isEdges)
-            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.9)));
-        if (options_.volume && hasNormalChunks(reader_.info()))
-            ISO_TRY(compareNormals(reader_, *options_.volume, faults_, job.part(0.9, 1.0)));
-        if (options_.volume && !isEdges)
+        if (comparesEdges)
+            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.8)));
+        if (options_.volume)
             ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
         report_.areEdgesCompared = options_.volume && !(reader_.info().mergeError > 0.0);
         return {};

@@ -62,11 +62,11 @@ struct ValidationReport {
 /// Whether an index is what FORMAT.md states. Without `isFull` header, directory and all checksums, and that each
 /// byte belongs to one part. With it also: order and counts of records; that both ends of each edge (or brick) are
 /// there and agree; that chunks can be decoded; that each block of each level is the net change over its interval;
-/// histogram and curve; and of metacells that the list of bricks, the range, the missing cells and the distinct values
-/// are those of the samples.
+/// histogram and curve; and that the list of edges or bricks, the range, the missing cells and the distinct values are
+/// those of the samples.
 ///
 /// Levels and both ends of edges are compared by sums of 64-bit hashes, so that memory does not grow with the index:
-/// 16 bytes per block, 1 MB, and of metacells 34 planes of samples. Errors, where nothing can be said: those of
+/// 16 bytes per block, 1 MB, and 34 planes of samples. Errors, where nothing can be said: those of
 /// IndexReader::open, IoError, Cancelled, those of the volume. Threads: those of the calling task arena.
 Result<ValidationReport> validateIndex(const std::filesystem::path& path, const ValidationOptions& options = {},
                                        const JobControl& job = {}, FileSystem& fileSystem = defaultFileSystem());

@@ -8,7 +8,6 @@
 
 #include "core/grid/scalar_key.h"
 #include "core/index/format/block_codec.h"
-#include "core/index/format/hidden_corner_codec.h"
 #include "core/index/validation/missing_cell_lookup.h"
 #include "core/index/validation/value_thresholds.h"
 
@@ -435,40 +434,6 @@ Status checkLevels(const IndexReader& reader, FaultList& faults, Level0Sums& sum
     return visitScalarType(reader.info().type, [&](auto sample) {
         return LevelChecks<KeyOf<decltype(sample)>>(reader, faults, sums).run(job);
     });
-}
-
-Status checkHiddenPages(const IndexReader& reader, FaultList& faults, const JobControl& job) {
-    const MissingCellLookup missing(reader.meta().missingCells);
-    std::vector<std::byte> bytes;
-    HiddenPage page;
-    const auto& pages = reader.meta().hiddenPages;
-    for (std::size_t i = 0; i < pages.size(); ++i) {
-        if (job.isStopRequested())
-            return cancelledError();
-        IndexFault fault;
-        fault.part = "page " + std::to_string(i) + " of hidden corners";
-        fault.offset = pages[i].offset;
-        fault.box = faults.boxOfBricks(pages[i].firstBrick.number(), pages[i].lastBrick.number());
-        if (const Status read = reader.readPage(pages[i], bytes); !read.isOk()) {
-            if (read.error().code != ErrorCode::Corruption)
-                return read;
-            continue; // reported with the checksums
-        }
-        const Status decoded = decodeHiddenPage(bytes, pages[i], reader.info(), page, reader.pathString());
-        if (!decoded.isOk()) {
-            ISO_TRY(addOrPassOn(faults, decoded.error(), std::move(fault)));
-            continue;
-        }
-        for (const std::uint32_t place : page.places) {
-            const BrickIndex brick(pages[i].firstBrick.number() + place / kHiddenPlacesPerBrick);
-            if (missing.isMissing(brick, LocalPoint(place % kHiddenPlacesPerBrick / 8))) {
-                fault.problem = "lists a cell that has a missing corner";
-                faults.add(fault);
-                break;
-            }
-        }
-    }
-    return {};
 }
 
 } // namespace isoslider::index

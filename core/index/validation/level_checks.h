@@ -23,7 +23,4 @@ inline std::uint64_t intervalHash(std::uint64_t id, int axis, std::uint64_t lowe
 /// `sums`. Errors: IoError, Cancelled.
 Status checkLevels(const IndexReader& reader, FaultList& faults, Level0Sums& sums, const JobControl& job);
 
-/// Pages of hidden corners: decoded, and of cells with eight finite corners.
-Status checkHiddenPages(const IndexReader& reader, FaultList& faults, const JobControl& job);
-
 } // namespace isoslider::index

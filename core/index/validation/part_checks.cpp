@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "core/grid/normal_codec.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_table.h"
 
@@ -12,11 +11,11 @@ namespace {
 
 constexpr std::uint64_t kReportBytes = std::uint64_t{4} << 20; // between two reports of progress
 
-enum class PartKind : std::uint8_t { LevelPage, HiddenPage, ChunkGroup };
+enum class PartKind : std::uint8_t { LevelPage, ChunkGroup };
 
 struct Part {
     std::uint64_t offset = 0, bytes = 0;
-    std::uint64_t number = 0; // of the page in its level, of the hidden page, of the group
+    std::uint64_t number = 0; // of the page in its level, of the group
     PartKind kind = PartKind::LevelPage;
     std::uint8_t level = 0;
 };
@@ -35,8 +34,6 @@ public:
                 const PageEntry& page = meta_.levels[level].pages[i];
                 parts_.push_back({page.offset, page.bytes, i, PartKind::LevelPage, static_cast<std::uint8_t>(level)});
             }
-        for (std::size_t i = 0; i < meta_.hiddenPages.size(); ++i)
-            parts_.push_back({meta_.hiddenPages[i].offset, meta_.hiddenPages[i].bytes, i, PartKind::HiddenPage, 0});
         for (std::size_t i = 0; i < meta_.chunkGroups.size(); ++i)
             parts_.push_back({meta_.chunkGroups[i].offset, meta_.chunkGroups[i].chunkBytes + tableBytes(i), i,
                               PartKind::ChunkGroup, 0});
@@ -73,10 +70,6 @@ private:
             const PageEntry& page = meta_.levels[part.level].pages[part.number];
             fault.part = "page " + number + " of level " + std::to_string(part.level);
             fault.isovalues = faults_.isovalues(page.firstKey, page.lastKey);
-        } else if (part.kind == PartKind::HiddenPage) {
-            const HiddenPageEntry& page = meta_.hiddenPages[part.number];
-            fault.part = "page " + number + " of hidden corners";
-            fault.box = faults_.boxOfBricks(page.firstBrick.number(), page.lastBrick.number());
         } else {
             fault.part = "table of chunk group " + number;
             const std::uint64_t first = part.number * kGroupChunks;
@@ -111,10 +104,8 @@ private:
 
     Status checkPage(const Part& part) {
         ++report_.pages;
-        const std::uint64_t checksum = part.kind == PartKind::LevelPage
-                                           ? meta_.levels[part.level].pages[part.number].checksum
-                                           : meta_.hiddenPages[part.number].checksum;
-        const Status read = reader_.readPart(part.offset, part.bytes, checksum, bytes_);
+        const PageEntry& page = meta_.levels[part.level].pages[part.number];
+        const Status read = reader_.readPart(part.offset, part.bytes, page.checksum, bytes_);
         return read.isOk() ? read : addOrPassOn(faults_, read.error(), describe(part));
     }
 
@@ -164,16 +155,6 @@ private:
     const char* problemOfChunk(ChunkIndex chunk) {
         const ChunkExtent extent = chunks_.extent(chunk);
         const auto count = static_cast<std::size_t>(extent[0] * extent[1] * extent[2]);
-        if (hasNormalChunks(meta_.info)) {
-            thread_local std::vector<NormalCode> normals;
-            normals.resize(count);
-            if (!decodeChunk<NormalCode>(bytes_, extent, normals))
-                return "cannot be decoded";
-            const bool areNormals = std::all_of(normals.begin(), normals.end(), [](NormalCode code) {
-                return code == kNoNormal || ((code & 0xff) != (kNoNormal & 0xff) && code >> 8 != kNoNormal >> 8);
-            });
-            return areNormals ? nullptr : "has codes that are no normals";
-        }
         return visitScalarType(meta_.info.type, [&](auto sample) -> const char* {
             thread_local std::vector<decltype(sample)> samples;
             samples.resize(count);

@@ -21,11 +21,11 @@ struct SurveyOptions {
 Status surveySamples(const IndexReader& reader, const ComparedVolume& planes, const Level0Sums* sums, FaultList& faults,
                      const SurveyOptions& options, const JobControl& job);
 
-/// Planes of an index of metacells; chunks that cannot be read are zeros, and `hasFailed` becomes true: they are
+/// Planes of an index; chunks that cannot be read are zeros, and `hasFailed` becomes true: they are
 /// reported with the checksums. REQUIRES: all outlive it.
 ComparedVolume storedPlanes(const IndexReader& reader, const SampleStore& store, std::atomic<bool>& hasFailed);
 
-/// Compares the samples of an index of metacells with those of a volume, bit by bit: a fault for each chunk that
+/// Compares the samples of an index with those of a volume, bit by bit: a fault for each chunk that
 /// differs. Errors: those of the volume, IoError, Cancelled.
 Status compareSamples(const IndexReader& reader, const ComparedVolume& volume, FaultList& faults,
                       const JobControl& job);

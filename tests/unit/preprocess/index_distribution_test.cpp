@@ -63,12 +63,14 @@ TEST_F(IndexDistribution, OfSomeSamplesStandsForAll) {
     EXPECT_EQ(found.value().max, reader->info().max) << "known, counted or not";
 }
 
-TEST_F(IndexDistribution, OfEdgesIsWhatTheHistogramTells) {
-    const auto reader = readerOf(test::hillsVolume({20, 20, 20}), IndexKind::Edges);
-    const auto found = distributionOf(*reader, 1'000'000);
-    ASSERT_THAT(found, IsOk());
-    EXPECT_EQ(found.value().body.counts, reader->info().histogram.counts);
-    EXPECT_EQ(found.value().counted(), 8000u);
+TEST_F(IndexDistribution, OfEdgesIsThatOfTheSamplesToo) {
+    const auto grid = test::hillsVolume({20, 20, 20});
+    const auto edges = distributionOf(*readerOf(grid, IndexKind::Edges), 1'000'000);
+    ASSERT_THAT(edges, IsOk());
+    const auto metacells = distributionOf(*readerOf(grid), 1'000'000);
+    ASSERT_THAT(metacells, IsOk());
+    EXPECT_EQ(edges.value().body.counts, metacells.value().body.counts);
+    EXPECT_EQ(edges.value().counted(), 8000u);
 }
 
 TEST_F(IndexDistribution, StopsWhenAsked) {

@@ -11,9 +11,6 @@
 namespace isoslider::model {
 namespace {
 
-constexpr const char* kNoGradient =
-    "The index of edges holds no samples. Open the volume itself to colour by gradient.";
-
 bool needsField(ColourBy by) { return by == ColourBy::Gradient || by == ColourBy::Field; }
 
 ReadPlane planesOfIndex(std::shared_ptr<extract::SliceSampler> sampler, const JobControl& job) {
@@ -106,17 +103,6 @@ void ColourModel::choose(ColourBy by, const std::optional<FieldFile>& field) {
     refresh();
 }
 
-std::string ColourModel::problemWith(ColourBy by) const {
-    const auto* dataset = session_.dataset();
-    if (dataset == nullptr)
-        return "No volume is open.";
-    if (by != ColourBy::Gradient || session_.samples() || !dataset->index ||
-        dataset->index->kind != index::IndexKind::Edges)
-        return {};
-    const auto name = std::filesystem::path(dataset->index->sourceName).filename();
-    return !name.empty() && isPresent(dataset->indexPath.parent_path() / name) ? std::string() : kNoGradient;
-}
-
 std::optional<ColourModel::Key> ColourModel::wantedKey() const {
     const auto* dataset = session_.dataset();
     const Colouring& colouring = wanted();
@@ -167,13 +153,12 @@ std::function<Result<ColourModel::Made>(const JobControl&)> ColourModel::workFor
                 return std::move(field).error();
             return Made{field.value().first, field.value().second};
         };
-    return [grid = session_.samples(), dataset = *session_.dataset(),
-            services = session_.services()](const JobControl& job) -> Result<Made> {
+    return [grid = session_.samples(), dataset = *session_.dataset()](const JobControl& job) -> Result<Made> {
         Result<Field> field = cancelledError();
         if (grid) {
             field = shared(makeColourField(grid->geometry(), planesOf(grid), true, job), dataset.coarseStep);
         } else {
-            auto sampler = openSamples(dataset, services, job);
+            auto sampler = openSamples(dataset);
             if (!sampler.isOk())
                 return sampler.error();
             field =
@@ -198,7 +183,7 @@ void ColourModel::refuse(const Error& error) {
         session_.post({Notice::Severity::Error,
                        key_->by == ColourBy::Field ? "The surface cannot be coloured by the second field"
                                                    : "The surface cannot be coloured by gradient",
-                       error.message == kNoSamples ? kNoGradient : error.line(), error.code});
+                       error.line(), error.code});
     key_.reset();
     const bool isTriedAgain = last_.by == wanted().by && last_.field == wanted().field;
     change([&](Colouring& colouring) {

@@ -28,8 +28,6 @@ public:
     const Colouring& wanted() const { return view_.options().colouring; }
     /// The values are on their way.
     bool isMaking() const { return making_.has_value(); }
-    /// Why a volume cannot be coloured by these; empty if it can.
-    std::string problemWith(ColourBy by) const;
     /// What the colours stand for, and its unit, which may be empty.
     std::string title() const;
     std::string unit() const;

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/extract/pieces/surface_pieces.h"
-#include "ui/model/slices/slice_source.h"
 
 namespace isoslider::model {
 namespace {
@@ -19,12 +18,11 @@ topology::PersistenceOptions optionsOf(const Dataset& dataset) {
 } // namespace
 
 Status PersistenceFinder::open(const extract::SurfaceFrame& frame, const Dataset& dataset,
-                               const std::shared_ptr<const ScalarGrid>& grid, const SessionServices& services,
-                               const JobControl& job) {
+                               const std::shared_ptr<const ScalarGrid>& grid) {
     if (!samples_ || !samples_->status().isOk() || grid_ != grid || (!grid && index_ != dataset.indexPath)) {
         samples_.reset();
         auto opened = grid ? Result<std::shared_ptr<index::SampleBlocks>>(index::makeSampleBlocks(grid))
-                           : openBlocks(dataset, services, job);
+                           : index::openSampleBlocks(dataset.indexPath);
         if (!opened.isOk())
             return std::move(opened).error();
         samples_ = std::move(opened).value();
@@ -39,8 +37,8 @@ Status PersistenceFinder::open(const extract::SurfaceFrame& frame, const Dataset
 Result<topology::PiecePersistence> PersistenceFinder::find(const extract::SurfaceFrame& frame, std::size_t piece,
                                                            const Dataset& dataset,
                                                            const std::shared_ptr<const ScalarGrid>& grid,
-                                                           const SessionServices& services, const JobControl& job) {
-    ISO_TRY(open(frame, dataset, grid, services, job));
+                                                           const JobControl& job) {
+    ISO_TRY(open(frame, dataset, grid));
     const extract::Piece& of = frame.pieces->pieces()[piece];
     return topology::persistenceOfPiece(*samples_, {of.edgeStart, of.edgeAxis}, frame.isovalue, optionsOf(dataset),
                                         job);
@@ -49,8 +47,8 @@ Result<topology::PiecePersistence> PersistenceFinder::find(const extract::Surfac
 Result<ShortLivedPieces> PersistenceFinder::findShortLived(const extract::SurfaceFrame& frame, double leastPersistence,
                                                            const Dataset& dataset,
                                                            const std::shared_ptr<const ScalarGrid>& grid,
-                                                           const SessionServices& services, const JobControl& job) {
-    ISO_TRY(open(frame, dataset, grid, services, job));
+                                                           const JobControl& job) {
+    ISO_TRY(open(frame, dataset, grid));
     const auto pieces = frame.pieces->pieces();
     std::vector<topology::PieceVertex> vertices;
     vertices.reserve(pieces.size());

@@ -4,9 +4,10 @@
 #include <memory>
 
 #include "core/extract/surface_frame.h"
+#include "core/index/sample_blocks.h"
 #include "core/topology/piece_persistence.h"
 #include "ui/model/pieces/piece_tints.h"
-#include "ui/model/session/session_services.h"
+#include "ui/model/session/dataset.h"
 
 namespace isoslider::model {
 
@@ -15,19 +16,19 @@ namespace isoslider::model {
 class PersistenceFinder {
 public:
     /// Of the frame's piece in that place of its pieces. `grid`: the samples that the frame is of, where they are in
-    /// memory; else those of the index are opened, or of the volume beside an index of edges. Errors: those of
-    /// topology::persistenceOfPiece() and openBlocks(). REQUIRES: the frame has such a piece.
+    /// memory; else those of the index are opened. Errors: those of
+    /// topology::persistenceOfPiece() and index::openSampleBlocks(). REQUIRES: the frame has such a piece.
     Result<topology::PiecePersistence> find(const extract::SurfaceFrame& frame, std::size_t piece,
                                             const Dataset& dataset, const std::shared_ptr<const ScalarGrid>& grid,
-                                            const SessionServices& services, const JobControl& job);
+                                            const JobControl& job);
     /// Which of the frame's pieces last less than that. Else as find().
     Result<ShortLivedPieces> findShortLived(const extract::SurfaceFrame& frame, double leastPersistence,
                                             const Dataset& dataset, const std::shared_ptr<const ScalarGrid>& grid,
-                                            const SessionServices& services, const JobControl& job);
+                                            const JobControl& job);
 
 private:
     Status open(const extract::SurfaceFrame& frame, const Dataset& dataset,
-                const std::shared_ptr<const ScalarGrid>& grid, const SessionServices& services, const JobControl& job);
+                const std::shared_ptr<const ScalarGrid>& grid);
 
     std::shared_ptr<index::SampleBlocks> samples_;
     std::shared_ptr<const ScalarGrid> grid_; ///< they are of it, or else of the index there

@@ -55,9 +55,8 @@ void ShortLivedSearch::ask(const Question& question) {
     job_.start(
         "Find pieces that last shortly",
         [frame = isActive ? session_.frame() : session_.pictureOf(question.surface), dataset = *dataset,
-         grid = session_.samples(), services = session_.services(), finder = finder_,
-         least = question.leastPersistence](const JobControl& job) {
-            return finder->findShortLived(*frame, least, dataset, grid, services, job);
+         grid = session_.samples(), finder = finder_, least = question.leastPersistence](const JobControl& job) {
+            return finder->findShortLived(*frame, least, dataset, grid, job);
         },
         [this, question](const Result<ShortLivedPieces>& result) {
             asked_.reset();

@@ -83,7 +83,7 @@ std::unique_ptr<extract::SlideEngine> openCached(const Dataset& dataset) {
         return nullptr;
     auto engine = extract::SlideEngine::open(dataset.indexPath);
     if (engine.isOk() && engine.value()->info().geometry == dataset.geometry &&
-        engine.value()->info().type == dataset.type && engine.value()->canMerge()) {
+        engine.value()->info().type == dataset.type && engine.value()->info().kind == index::IndexKind::Metacells) {
         IndexCache::noteUse(dataset.indexPath);
         return std::move(engine).value();
     }

@@ -5,6 +5,7 @@
 #include "core/base/folders.h"
 #include "core/base/machine.h"
 #include "core/extract/pieces/kept_pieces.h"
+#include "core/extract/slide_engine.h"
 #include "core/mesh/mesh_export.h"
 #include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
@@ -155,6 +156,8 @@ void Session::adopt(LoadedDataset loaded) {
     firstIsovalue_.begin(std::move(loaded.first), loaded.isFirstBest);
     if (loaded.engine) {
         indexState_ = IndexState::Ready;
+        if (const auto& index = dataset_->index; index && index->mergeError > 0.0)
+            detail_.setError(extract::builtError(*index)); // it was built to be seen so
         useSource(makeIndexSource(std::move(loaded.engine)));
     } else {
         useSource(makeMemorySource(grid_, services_.indexBuilder));
@@ -280,8 +283,7 @@ void Session::analyseTopology() {
                       if (!found.isOk())
                           return topology_.setFailed(found.isCancelled() ? "stopped" : found.error().line());
                       topology_.setContent(std::move(found.value().content));
-                      const bool hasSamples = dataset_->index && dataset_->index->kind == index::IndexKind::Metacells;
-                      if (!topology_.hasEvents() && !found.value().isNew && hasSamples)
+                      if (!topology_.hasEvents() && !found.value().isNew)
                           addEvents();
                   });
 }

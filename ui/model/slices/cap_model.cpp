@@ -7,8 +7,6 @@
 namespace isoslider::model {
 namespace {
 
-constexpr const char* kNoCap = "The index of edges holds no samples: the cut cannot be filled.";
-
 /// All that samples depend on.
 bool isSamePlane(const ClipPlane& a, const ClipPlane& b) { return a.normal == b.normal && a.offset == b.offset; }
 
@@ -76,10 +74,7 @@ void CapModel::chooseSource() {
 void CapModel::openSource() {
     isOpening_ = true;
     jobs_->runner().run<std::shared_ptr<extract::SliceSampler>>(
-        "Open samples",
-        [dataset = *session_.dataset(), services = session_.services()](const JobControl& job) {
-            return openSamples(dataset, services, job);
-        },
+        "Open samples", [dataset = *session_.dataset()](const JobControl&) { return openSamples(dataset); },
         [this, source = *source_](Result<std::shared_ptr<extract::SliceSampler>> sampler) {
             isOpening_ = false;
             if (source_ != source) { // another volume meanwhile: its samples were not opened
@@ -89,7 +84,7 @@ void CapModel::openSource() {
             if (sampler.isOk())
                 sampler_ = std::move(sampler).value();
             else if (!sampler.isCancelled())
-                setProblem(sampler.error().message == kNoSamples ? kNoCap : sampler.error().line());
+                setProblem(sampler.error().line());
             refresh();
         });
 }

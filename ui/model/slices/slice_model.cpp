@@ -232,9 +232,7 @@ void SliceModel::chooseSource() {
 void SliceModel::openSource() {
     isOpening_ = true;
     jobs_->runner().run<std::shared_ptr<extract::SliceSampler>>(
-        "Open samples",
-        [dataset = *dataset(), services = session_.services()](const JobControl& job)
-            -> Result<std::shared_ptr<extract::SliceSampler>> { return openSamples(dataset, services, job); },
+        "Open samples", [dataset = *dataset()](const JobControl&) { return openSamples(dataset); },
         [this, source = *source_](Result<std::shared_ptr<extract::SliceSampler>> sampler) {
             isOpening_ = false;
             if (source_ != source) { // another volume meanwhile: its samples were not opened
@@ -244,7 +242,7 @@ void SliceModel::openSource() {
             if (sampler.isOk())
                 sampler_ = std::move(sampler).value();
             else if (!sampler.isCancelled())
-                setProblem(sampler.error().message == kNoSamples ? kNoSamples : sampler.error().line());
+                setProblem(sampler.error().line());
             refresh();
             pictures_.notify();
         });

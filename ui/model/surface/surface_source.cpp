@@ -56,11 +56,9 @@ public:
     explicit EngineSource(std::unique_ptr<extract::SlideEngine> engine) : engine_(std::move(engine)) {}
 
     Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
-        frame.canMerge = engine_->canMerge();
-        if (frame.canMerge)
-            ISO_TRY(engine_->setMergeBound(frame.mergeBound));
-        frame.canBound = engine_->canBound();
-        engine_->setRegion(frame.canBound && !frame.findsPieces ? frame.region : std::nullopt);
+        frame.canMerge = frame.canBound = true;
+        engine_->setMergeBound(frame.mergeBound);
+        engine_->setRegion(frame.findsPieces ? std::nullopt : frame.region);
         isWhole_ = false;
         auto stats = engine_->slideTo(isovalue, job);
         if (!stats.isOk())

@@ -65,13 +65,8 @@ void DetailControl::showError() {
 void DetailControl::showWhetherPossible() {
     const auto frame = session_.frame();
     setEnabled(frame != nullptr && frame->canMerge);
-    const auto* dataset = session_.dataset();
-    const bool isOfEdges = dataset != nullptr && dataset->index && dataset->index->kind == index::IndexKind::Edges;
-    setToolTip(frame != nullptr && !frame->canMerge && isOfEdges
-                   ? tr("An index of edges has its cells merged as it was built. One of metacells merges them within "
-                        "any error.")
-                   : tr("How far the surface may differ for the sake of fewer triangles: cells are merged where the "
-                        "samples allow it. Pieces and tunnels stay as they are."));
+    setToolTip(tr("How far the surface may differ for the sake of fewer triangles: cells are merged where the samples "
+                  "allow it. Pieces and tunnels stay as they are."));
 }
 
 } // namespace isoslider::widgets

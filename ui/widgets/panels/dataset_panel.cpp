@@ -98,7 +98,7 @@ std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
     return {
         {DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
         {DatasetPanel::tr("Kind"), isEdges ? DatasetPanel::tr("edges") : DatasetPanel::tr("metacells"),
-         isEdges ? DatasetPanel::tr("The changes of every grid edge, by value")
+         isEdges ? DatasetPanel::tr("The samples, compressed, and the changes of every grid edge, by value")
                  : DatasetPanel::tr("The samples, compressed, and when each brick of them is active")},
         {DatasetPanel::tr("Size"),
          DatasetPanel::tr("%1, %2 bytes per voxel")

@@ -67,8 +67,7 @@ std::vector<QStringList> levelRows(const model::Dataset& dataset) {
                 {name, {}, {}, {}, bytes(size), QString::number(static_cast<double>(size) / points, 'f', 2), {}});
         all.bytes += size;
     };
-    addPart(hasNormalChunks(info) ? LevelsPanel::tr("Normals") : LevelsPanel::tr("Samples"), info.chunkBytes);
-    addPart(LevelsPanel::tr("Hidden corners"), info.hiddenCornerBytes);
+    addPart(LevelsPanel::tr("Samples"), info.chunkBytes);
     rows.push_back({LevelsPanel::tr("All"),
                     compact(all.blocks),
                     compact(all.points),

@@ -140,8 +140,8 @@ void PieceDetails::findPersistence() {
         return;
     persisting_.start(
         "Find how long a piece lasts",
-        [frame = frame_, piece = *piece_, dataset = *dataset, grid = session_.samples(), services = session_.services(),
-         finder = finder_](const JobControl& job) { return finder->find(*frame, piece, dataset, grid, services, job); },
+        [frame = frame_, piece = *piece_, dataset = *dataset, grid = session_.samples(),
+         finder = finder_](const JobControl& job) { return finder->find(*frame, piece, dataset, grid, job); },
         [this](Result<topology::PiecePersistence> found) {
             persistence_ = std::move(found);
             showFacts();

@@ -136,10 +136,9 @@ void ColourWiring::showState() {
     const bool hasVolume = hasView && session_.dataset() != nullptr;
     for (const auto& entry : kColourKeyActions) {
         QAction& action = *actions_.action(entry.id);
-        const std::string problem = colours_.problemWith(entry.by);
-        action.setEnabled(hasView && problem.empty());
+        action.setEnabled(hasVolume);
+        action.setToolTip(action.statusTip());
         action.setChecked(!hasPieces && wanted.by == entry.by);
-        action.setToolTip(hasVolume && !problem.empty() ? fromStd(problem) : action.statusTip());
     }
     const bool hasValues = hasVolume && !hasPieces && wanted.by != model::ColourBy::One;
     for (const auto& entry : kColourMapActions) {

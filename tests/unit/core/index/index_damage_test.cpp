@@ -68,8 +68,6 @@ protected:
         for (const auto& level : meta_.levels)
             for (const PageEntry& page : level.pages)
                 parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
-        for (const HiddenPageEntry& page : meta_.hiddenPages)
-            parts_.push_back({page.offset, page.bytes, [this, page] { return reader_->readPage(page, buffer_); }});
         for (const ChunkGroupEntry& group : meta_.chunkGroups) // the only one: the grid has fewer than 256 chunks
             findChunks(group);
     }
@@ -91,9 +89,7 @@ protected:
             parts_.push_back({at.offset, at.bytes, [this, chunk] {
                                   SampleStore fresh(*reader_);
                                   std::uint64_t read = 0;
-                                  return GetParam() == IndexKind::Edges
-                                             ? fresh.read<NormalCode>(chunk, normals_, read)
-                                             : fresh.read<std::uint8_t>(chunk, samples_, read);
+                                  return fresh.read<std::uint8_t>(chunk, samples_, read);
                               }});
         }
     }
@@ -131,7 +127,6 @@ protected:
     std::vector<Part> parts_;
     std::vector<std::byte> buffer_;
     std::array<std::uint8_t, SampleStore::kChunkSamples> samples_{};
-    std::array<NormalCode, SampleStore::kChunkSamples> normals_{};
     test::TemporaryFolder folder_;
 };
 
@@ -256,8 +251,6 @@ TEST_P(IndexDamage, B084_PlacesOutsideTheFileOrInItsHeaderAreRefusedOnOpening) {
             for (const std::size_t page : {std::size_t{0}, meta_.levels[level].pages.size() - 1})
                 if (page < meta_.levels[level].pages.size())
                     expectRefused([&](IndexMeta& meta) { meta.levels[level].pages[page].offset = place; });
-        if (!meta_.hiddenPages.empty())
-            expectRefused([&](IndexMeta& meta) { meta.hiddenPages[0].offset = place; });
         if (!meta_.chunkGroups.empty())
             expectRefused([&](IndexMeta& meta) { meta.chunkGroups[0].offset = place; });
     }

@@ -69,9 +69,12 @@ TEST_F(SampleBlocksTest, ComeBackAfterMoreThanThereIsRoomFor) {
                 ASSERT_EQ(blocks->at(x, 5, z), grid->valueAt(x, 5, z)) << x << ' ' << z;
 }
 
-TEST_F(SampleBlocksTest, OfAnIndexOfEdgesAreRefused) {
-    EXPECT_THAT(openSampleBlocks(build(test::hillsVolume({12, 12, 12}), IndexKind::Edges)),
-                HasError(ErrorCode::InvalidArgument));
+TEST_F(SampleBlocksTest, OfAnIndexOfEdgesAreThoseOfTheVolumeToo) {
+    const auto grid = test::hillsVolume({12, 12, 12});
+    const auto opened = openSampleBlocks(build(grid, IndexKind::Edges));
+    ASSERT_THAT(opened, IsOk());
+    for (std::int64_t i = 0; i < 12; ++i)
+        ASSERT_EQ(opened.value()->at(i, 11 - i, 5), grid->valueAt(i, 11 - i, 5));
     EXPECT_THAT(openSampleBlocks(folder_ / "none.isx"), HasError(ErrorCode::NotFound));
 }
 

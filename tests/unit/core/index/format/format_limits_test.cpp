@@ -9,7 +9,6 @@
 #include "core/index/format/block_codec.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/format/chunk_table.h"
-#include "core/index/format/hidden_corner_codec.h"
 #include "core/index/format/index_format.h"
 #include "tests/support/result_matchers.h"
 
@@ -170,27 +169,6 @@ TEST(FormatLimits, OfEntries) {
         meta.info.levels.resize(2);
         meta.levels.resize(2);
         meta.levels[1].blocks = {{0, 4, 0, 0}, {static_cast<std::uint64_t>(5 - past), 9, 0, 0}};
-    });
-    const auto hidden = [](std::uint32_t corners, std::uint32_t bytes, std::uint32_t last) {
-        HiddenPageEntry page;
-        page.offset = kPreambleBytes;
-        page.corners = corners;
-        page.bytes = bytes;
-        page.lastBrick = BrickIndex(last);
-        return page;
-    };
-    expectLimit("hidden corners of a page", [&](IndexMeta& meta, auto past) {
-        meta.hiddenPages = {hidden(static_cast<std::uint32_t>(4096 + past), 100, 0)};
-    });
-    expectLimit("bytes of a page of hidden corners", [&](IndexMeta& meta, auto past) {
-        meta.hiddenPages = {hidden(1, static_cast<std::uint32_t>(49216 + past), 0)};
-    });
-    expectLimit("bricks of the grid", [&](IndexMeta& meta, auto past) {
-        meta.hiddenPages = {hidden(1, 100, static_cast<std::uint32_t>(7 + past))};
-    });
-    expectLimit("bricks of a page of hidden corners", [&](IndexMeta& meta, auto past) {
-        meta.info.geometry.dims = {kMaxDim, 256, 8};
-        meta.hiddenPages = {hidden(1, 100, static_cast<std::uint32_t>((1 << 20) - 1 + past))};
     });
     expectLimit("bricks with missing cells", [](IndexMeta& meta, auto past) {
         meta.missingCells = {{BrickIndex(static_cast<std::uint32_t>(7 + past)), {1}}};

@@ -7,33 +7,9 @@
 
 #include "core/extract/live/brick_bits.h"
 #include "core/grid/brick_grid.h"
-#include "core/grid/normal_codec.h"
 #include "core/index/format/point_record.h"
 
 namespace isoslider::extract {
-
-/// A point that a move crosses, in one of the closed bricks that hold it, with those of its edges there that change. As
-/// in records, bit e of a mask is the edge 2 * axis + (1 if its far end lies upwards along the axis).
-struct CrossedEdges {
-    BrickIndex brick;
-    ClosedPoint point;
-    std::uint8_t activated, deactivated;
-};
-/// With the scalars.
-template <class Key>
-struct CrossedPoint : CrossedEdges {
-    std::uint8_t mask; ///< of the edges whose far keys are there
-    Key key;
-    Key far[index::kPointEdges]; ///< in the order of the mask; behind them anything
-
-    CrossedPoint() {} // anything
-};
-
-/// The normals of a crossed point and, by edge, at its far ends: where pages have them.
-struct CrossedNormals {
-    NormalCode own;
-    NormalCode far[index::kPointEdges];
-};
 
 /// Edges of a point that a closed brick has. `onFaces`: bit a, the point lies on the lower face of its own brick across
 /// axis a. `below`, of these: the holder is the brick below, so that the point lies on its upper face.

@@ -1,0 +1,199 @@
+// How many active edges bricks have, from records of points and of edges on leaf edges, against samples.
+
+#include <algorithm>
+#include <bit>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/extract/live/brick_shapes.h"
+#include "core/extract/sources/brick_edge_counts.h"
+
+namespace isoslider::extract {
+namespace {
+
+using Key = std::uint16_t;
+using Part = BlockWalk<Key>::Part;
+
+// Samples of few values, so that many are equal; and what an index states of them.
+class SmallVolume {
+public:
+    SmallVolume(const GridDims& dims, std::mt19937& random) : shapes_(dims, none_) {
+        for (std::int64_t i = 0; i < pointCount(dims); ++i)
+            samples_.push_back(static_cast<Key>(random() % 12));
+    }
+    const BrickShapes& shapes() const { return shapes_; }
+    const BrickGrid& grid() const { return shapes_.grid(); }
+    bool isInside(const std::array<std::int64_t, 3>& p) const {
+        const GridDims& dims = grid().dims();
+        return p[0] >= 0 && p[1] >= 0 && p[2] >= 0 && p[0] < dims[0] && p[1] < dims[1] && p[2] < dims[2];
+    }
+    Key at(const std::array<std::int64_t, 3>& p) const {
+        const GridDims& dims = grid().dims();
+        return samples_[static_cast<std::size_t>(p[0] + dims[0] * (p[1] + dims[1] * p[2]))];
+    }
+    // Of the closed brick, by its samples.
+    std::uint32_t activeEdges(BrickIndex brick, KeyThreshold threshold) const {
+        std::uint32_t count = 0;
+        const auto origin = shapes_.origin(brick);
+        for (std::size_t a = 0; a < 3; ++a)
+            forEachSetBit(shapes_.masks(brick).edges[a], [&](ClosedPoint start) {
+                const auto c = coordsOf(start);
+                std::array<std::int64_t, 3> lower{origin[0] + c[0], origin[1] + c[1], origin[2] + c[2]}, upper = lower;
+                ++upper[a];
+                count += (at(lower) >= threshold) != (at(upper) >= threshold);
+            });
+        return count;
+    }
+    // The records of all points with keys in [lower, upper), in no order.
+    index::DecodedPage<Key> page(KeyThreshold lower, KeyThreshold upper, std::mt19937& random) const {
+        std::vector<PointId> ids;
+        for (std::uint64_t i = 0; i < grid().idCount(); ++i)
+            if (const PointId id(i); grid().contains(id))
+                if (const Key key = at(grid().pointCoords(id)); key >= lower && key < upper)
+                    ids.push_back(id);
+        std::shuffle(ids.begin(), ids.end(), random);
+        index::DecodedPage<Key> page;
+        for (const PointId id : ids) {
+            std::uint8_t mask = 0;
+            std::vector<Key> far;
+            for (unsigned e = 0; e < index::kPointEdges; ++e) {
+                auto end = grid().pointCoords(id);
+                end[e >> 1] += e & 1 ? 1 : -1;
+                if (!isInside(end) || at(end) == at(grid().pointCoords(id)))
+                    continue;
+                mask |= static_cast<std::uint8_t>(1u << e);
+                far.push_back(at(end));
+            }
+            if (mask == 0)
+                continue;
+            page.ids.push_back(id.number());
+            page.keys.push_back(at(grid().pointCoords(id)));
+            page.masks.push_back(mask);
+            page.farKeys.insert(page.farKeys.end(), far.begin(), far.end());
+        }
+        return page;
+    }
+
+private:
+    std::vector<index::MissingCells> none_;
+    BrickShapes shapes_;
+    std::vector<Key> samples_;
+};
+
+// In parts, as pages are given out.
+void addAll(const index::DecodedPage<Key>& page, BrickEdgeCounts<Key>& counts, std::size_t partSize) {
+    std::size_t entry = 0;
+    for (std::size_t begin = 0; begin < page.pointCount(); begin += partSize)
+        entry = counts.add(Part{page, begin, std::min(begin + partSize, page.pointCount()), entry});
+    EXPECT_EQ(entry, page.edgeCount());
+}
+
+// Dims with points at the end of bricks, and bricks of points only.
+const std::vector<GridDims> kVolumes{{17, 20, 24}, {8, 9, 16}, {25, 2, 17}};
+
+// Upwards and downwards, by one value and by many, from nothing too.
+TEST(BrickEdgeCounts, AreThoseOfSamples) {
+    std::mt19937 random(5);
+    for (const GridDims& dims : kVolumes) {
+        const SmallVolume volume(dims, random);
+        BrickEdgeCounts<Key> counts(volume.grid());
+        KeyThreshold from = 0;
+        for (const KeyThreshold to : {5, 6, 3, 4, 12, 7, 0, 1}) {
+            const KeyThreshold lower = std::min(from, to), upper = std::max(from, to);
+            counts.beginWalk(lower, upper, to > from);
+            addAll(volume.page(lower, upper, random), counts, to % 2 == 0 ? 7 : 1000);
+            ASSERT_TRUE(counts.apply(counts.changes()));
+            for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
+                if (volume.shapes().hasCells(brick)) {
+                    ASSERT_EQ(counts.at(brick), volume.activeEdges(brick, to)) << brick.number() << ", " << to;
+                }
+            from = to;
+        }
+        counts.clear();
+        for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
+            ASSERT_EQ(counts.at(brick), 0u);
+    }
+}
+
+TEST(BrickEdgeCounts, ChangeNothingUntilTheyAreApplied) {
+    std::mt19937 random(6);
+    const SmallVolume volume(kVolumes[0], random);
+    BrickEdgeCounts<Key> counts(volume.grid());
+    counts.beginWalk(0, 6, true);
+    addAll(volume.page(0, 6, random), counts, 100);
+    const auto first = counts.changes();
+    ASSERT_FALSE(first.empty());
+    ASSERT_EQ(counts.at(first.front().brick), 0u);
+    ASSERT_TRUE(counts.apply(first));
+    const std::uint32_t before = counts.at(first.front().brick);
+    counts.beginWalk(6, 9, true); // ahead of a move that does not come
+    addAll(volume.page(6, 9, random), counts, 100);
+    ASSERT_FALSE(counts.changes().empty());
+    counts.beginWalk(4, 6, false);
+    addAll(volume.page(4, 6, random), counts, 100);
+    EXPECT_EQ(counts.at(first.front().brick), before);
+    ASSERT_TRUE(counts.apply(counts.changes()));
+    for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
+        if (volume.shapes().hasCells(brick)) {
+            ASSERT_EQ(counts.at(brick), volume.activeEdges(brick, 4));
+        }
+}
+
+// What only a damaged index states.
+TEST(BrickEdgeCounts, RefuseMoreOrFewerEdgesThanThereCanBe) {
+    std::mt19937 random(7);
+    const SmallVolume volume(kVolumes[1], random);
+    BrickEdgeCounts<Key> counts(volume.grid());
+    const auto walk = [&](bool goesUp) {
+        counts.beginWalk(0, 6, goesUp);
+        addAll(volume.page(0, 6, random), counts, 100);
+        return counts.apply(counts.changes());
+    };
+    EXPECT_FALSE(walk(false));
+    EXPECT_EQ(counts.at(BrickIndex(0)), 0u);
+    int ups = 0;
+    while (ups < 1000 && walk(true))
+        ++ups;
+    EXPECT_GT(ups, 1);
+    EXPECT_LE(ups * volume.activeEdges(BrickIndex(0), 6), std::uint32_t{BrickEdgeCounts<Key>::kMostEdges});
+}
+
+// Each end of the interval in which an edge carries a vertex on a leaf edge has a record. Leaves are not counted.
+TEST(BrickEdgeCounts, CountEdgesOnLeafEdges) {
+    namespace form = index::record_form;
+    const BrickGrid grid({17, 17, 17});
+    BrickEdgeCounts<Key> counts(grid);
+    index::DecodedPage<Key> page;
+    const auto add = [&](PointId id, std::uint8_t which, Key key, Key other) {
+        page.ids.push_back(id.number());
+        page.forms.push_back(which);
+        page.keys.push_back(key);
+        page.masks.push_back(form::maskOf(which));
+        page.farKeys.push_back(other);
+        if (form::isEdge(which))
+            page.farKeys.insert(page.farKeys.end(), {Key(0), Key(9)});
+    };
+    add(grid.pointId(8, 3, 8), form::edge(1, 1), 2, 7); // on faces of four bricks
+    add(grid.pointId(8, 3, 8), form::edge(0, 2), 3, 7); // of two
+    add(grid.pointId(8, 3, 8), form::edge(2, 0), 1, 4); // comes and goes
+    add(grid.pointId(8, 3, 8), form::edge(2, 0), 4, 1);
+    add(grid.pointId(8, 0, 8), form::leaf(1), 2, 7);
+    counts.beginWalk(0, 6, true);
+    addAll(page, counts, 3);
+    ASSERT_TRUE(counts.apply(counts.changes()));
+    const auto at = [&](int x, int y, int z) { return counts.at(grid.brickAt(x, y, z)); };
+    EXPECT_EQ(at(0, 0, 0), 1u);
+    EXPECT_EQ(at(1, 0, 0), 2u);
+    EXPECT_EQ(at(0, 0, 1), 1u);
+    EXPECT_EQ(at(1, 0, 1), 2u);
+    EXPECT_EQ(at(0, 1, 0) + at(1, 1, 0) + at(0, 1, 1), 0u);
+    counts.beginWalk(0, 6, false);
+    addAll(page, counts, 1);
+    ASSERT_TRUE(counts.apply(counts.changes()));
+    EXPECT_EQ(at(0, 0, 0) + at(1, 0, 0) + at(0, 0, 1) + at(1, 0, 1), 0u);
+}
+
+} // namespace
+} // namespace isoslider::extract
