@@ -36,7 +36,7 @@ Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes,
 }
 
 template <class Key>
-std::shared_ptr<DecodedPage<Key>> PageCache<Key>::find(std::uint64_t id) {
+std::shared_ptr<ChangePage<Key>> PageCache<Key>::find(std::uint64_t id) {
     const std::lock_guard lock(mutex_);
     const auto found = byId_.find(id);
     if (found == byId_.end())
@@ -51,13 +51,15 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
     if (auto page = find(id))
         return Lookup{std::move(page), 0};
     const PageEntry& entry = reader_.meta().levels[level.index()].pages[pageIndex];
-    std::shared_ptr<DecodedPage<Key>> page = takeSpare();
     thread_local std::vector<std::byte> bytes;
+    thread_local DecodedPage<Key> decoded;
     Status status = reader_.readPage(entry, bytes);
     if (status.isOk())
-        status = decodeStated(reader_, bytes, entry.points, entry.edges, *page);
+        status = decodeStated(reader_, bytes, entry.points, entry.edges, decoded);
     if (!status.isOk())
         return inPage(reader_, level, pageIndex, std::move(status).error());
+    std::shared_ptr<ChangePage<Key>> page = takeSpare();
+    page->assign(decoded);
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
 }
@@ -67,24 +69,26 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(std::uint64_t n
                                                                  const std::function<Status(DecodedPage<Key>&)>& load) {
     if (auto page = find(kOthers | number))
         return Lookup{std::move(page), 0};
-    std::shared_ptr<DecodedPage<Key>> page = takeSpare();
-    ISO_TRY(load(*page));
+    thread_local DecodedPage<Key> decoded;
+    ISO_TRY(load(decoded));
+    std::shared_ptr<ChangePage<Key>> page = takeSpare();
+    page->assign(decoded);
     insert(kOthers | number, page);
     return Lookup{std::move(page), bytes};
 }
 
 template <class Key>
-std::shared_ptr<DecodedPage<Key>> PageCache<Key>::takeSpare() {
+std::shared_ptr<ChangePage<Key>> PageCache<Key>::takeSpare() {
     const std::lock_guard lock(mutex_);
     if (spares_.empty())
-        return std::make_shared<DecodedPage<Key>>();
-    std::shared_ptr<DecodedPage<Key>> page = std::move(spares_.back());
+        return std::make_shared<ChangePage<Key>>();
+    std::shared_ptr<ChangePage<Key>> page = std::move(spares_.back());
     spares_.pop_back();
     return page;
 }
 
 template <class Key>
-void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<DecodedPage<Key>> page) {
+void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> page) {
     const std::uint64_t size = page->memoryBytes();
     const std::lock_guard lock(mutex_);
     if (size > maxBytes_ || byId_.contains(id))

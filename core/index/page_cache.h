@@ -7,7 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "core/index/format/block_codec.h"
+#include "core/index/change_page.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::index {
@@ -17,16 +17,16 @@ template <class Key>
 Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes, std::uint32_t points,
                     std::uint32_t edges, DecodedPage<Key>& page);
 
-/// Decoded pages, least recently used out first, within a bound on their memory (a single page larger
-/// than the bound is handed out but not kept). Beyond it a few evicted pages wait for their memory to be used again.
-/// Any number of threads; two that miss the same page at once both decode it.
+/// What walks need of pages, decoded, least recently used out first, within a bound on their memory (a single page
+/// larger than the bound is handed out but not kept). Beyond it a few evicted pages wait for their memory to be used
+/// again. Any number of threads; two that miss the same page at once both decode it.
 template <class Key>
 class PageCache {
 public:
     PageCache(const IndexReader& reader, std::uint64_t maxBytes) : reader_(reader), maxBytes_(maxBytes) {}
 
     struct Lookup {
-        std::shared_ptr<const DecodedPage<Key>> page;
+        std::shared_ptr<const ChangePage<Key>> page;
         std::uint64_t bytesRead = 0; ///< 0 on a hit
     };
 
@@ -43,19 +43,19 @@ public:
 private:
     struct Entry {
         std::uint64_t id;
-        std::shared_ptr<DecodedPage<Key>> page;
+        std::shared_ptr<ChangePage<Key>> page;
     };
 
-    std::shared_ptr<DecodedPage<Key>> find(std::uint64_t id);
-    std::shared_ptr<DecodedPage<Key>> takeSpare();
-    void insert(std::uint64_t id, std::shared_ptr<DecodedPage<Key>> page);
+    std::shared_ptr<ChangePage<Key>> find(std::uint64_t id);
+    std::shared_ptr<ChangePage<Key>> takeSpare();
+    void insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> page);
 
     const IndexReader& reader_;
     std::uint64_t maxBytes_;
     mutable std::mutex mutex_;
     std::uint64_t bytes_ = 0;
     std::list<Entry> entries_; // most recently used first
-    std::vector<std::shared_ptr<DecodedPage<Key>>> spares_; // evicted and unused: memory to use again
+    std::vector<std::shared_ptr<ChangePage<Key>>> spares_; // evicted and unused: memory to use again
     std::unordered_map<std::uint64_t, typename std::list<Entry>::iterator> byId_;
 };
 

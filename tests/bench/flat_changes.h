@@ -40,10 +40,10 @@ struct EdgeChanges {
     std::vector<DeactivatedEdge> deactivated;
 };
 
-/// Takes the net changes between two thresholds from the edge blocks of an index. `normals`: of points, by id.
+/// Takes the net changes between two thresholds from the edge blocks of an index. `keys`, `normals`: of points, by id.
 template <class Sample>
 Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGrid& grid, KeyThreshold from,
-                          KeyThreshold to, std::span<const NormalCode> normals,
+                          KeyThreshold to, std::span<const KeyOf<Sample>> keys, std::span<const NormalCode> normals,
                           EdgeChanges<extract::LiveOf<Sample>>& changes) {
     using Live = extract::LiveOf<Sample>;
     changes.activated.clear();
@@ -53,16 +53,12 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
     extract::SlideStats stats;
     return walk.visit(lower, upper, stats, {}, [&](const auto& part) {
         const std::lock_guard lock(mutex);
-        std::size_t entry = part.firstEntry;
         static constexpr int kStride[3] = {1, 8, 64};
         for (std::size_t i = part.begin; i < part.end; ++i) {
-            const PointId id(part.page.ids[i]);
+            const PointId id = part.page.id(i);
             const auto key = part.page.keys[i];
             const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
-            for (unsigned mask = part.page.masks[i]; mask != 0; mask &= mask - 1, ++entry) {
-                const auto farKey = part.page.farKeys[entry];
-                if (farKey >= lower && farKey < upper)
-                    continue; // redundant: crossed at both ends
+            for (unsigned mask = part.page.rising[i] | part.page.falling[i]; mask != 0; mask &= mask - 1) {
                 const int e = std::countr_zero(mask), axis = e >> 1;
                 const bool isUpward = e & 1;
                 const int local = localOf(id).number();
@@ -70,6 +66,9 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
                 const std::ptrdiff_t step =
                     leaves ? grid.brickStride(axis) * kBrickPoints - 7 * kStride[axis] : kStride[axis];
                 const PointId farId = isUpward ? id + step : id - step;
+                const auto farKey = keys[farId.index()];
+                if (farKey >= lower && farKey < upper)
+                    continue; // redundant: crossed at both ends
                 const PointId start = isUpward ? id : farId;
                 const BrickIndex brick = brickOf(start);
                 const auto edge = LocalEdge(axis * kBrickPoints + localOf(start).number());
@@ -85,7 +84,6 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
                     changes.activated.push_back({far, near, brick, edge, farNormal, nearNormal});
             }
         }
-        return entry;
     });
 }
 

@@ -20,14 +20,35 @@ std::uint64_t averageActiveEdges(const index::IndexInfo& info) {
     return info.activeEdgesPerBin.empty() ? 0 : sum / info.activeEdgesPerBin.size();
 }
 
+// What blocks do not state of points, in the order of ids.
+template <class Sample>
+struct PointsById {
+    std::vector<KeyOf<Sample>> keys;
+    std::vector<NormalCode> normals;
+
+    PointsById(const ScalarGrid& volume, const BrickGrid& grid)
+        : keys(grid.idCount()), normals(grid.idCount(), kNoNormal) {
+        const SampleView<Sample> view{volume.values<Sample>().data(), grid.dims()};
+        const glm::vec3 inverseSpacing = inverseSpacingOf(volume.geometry());
+        for (std::int64_t z = 0; z < grid.dims()[2]; ++z)
+            for (std::int64_t y = 0; y < grid.dims()[1]; ++y)
+                for (std::int64_t x = 0; x < grid.dims()[0]; ++x) {
+                    const Sample sample = view.samples[view.offset(x, y, z)];
+                    const std::size_t id = grid.pointId(x, y, z).index();
+                    keys[id] = isMissing(sample) ? KeyOf<Sample>(0) : keyOf(sample);
+                    findNormals(view, {x, y, z}, {1, 1, 1}, inverseSpacing, &normals[id]);
+                }
+    }
+};
+
 template <class Sample>
 class Runner final : public FlatRunner {
     using Live = extract::LiveOf<Sample>;
 
 public:
-    Runner(std::unique_ptr<index::IndexReader> reader, std::vector<NormalCode> normals)
+    Runner(std::unique_ptr<index::IndexReader> reader, const ScalarGrid& volume)
         : reader_(std::move(reader)),
-          normals_(std::move(normals)),
+          points_(volume, reader_->grid()),
           walk_(*reader_, kCacheBytes),
           surface_(reader_->info().geometry, reader_->meta().missingCells, averageActiveEdges(reader_->info())) {}
 
@@ -52,14 +73,15 @@ public:
 
 private:
     Status move(KeyThreshold target) {
-        ISO_TRY(collectEdgeChanges<Sample>(walk_, reader_->grid(), position_, target, normals_, changes_));
+        ISO_TRY(collectEdgeChanges<Sample>(walk_, reader_->grid(), position_, target, points_.keys, points_.normals,
+                                           changes_));
         surface_.apply(changes_);
         position_ = target;
         return {};
     }
 
     std::unique_ptr<index::IndexReader> reader_;
-    std::vector<NormalCode> normals_; ///< by point id
+    PointsById<Sample> points_;
     extract::BlockWalk<KeyOf<Sample>> walk_;
     EdgeChanges<Live> changes_;
     FlatBaseline<Live> surface_;
@@ -67,38 +89,19 @@ private:
     tbb::task_arena oneThread_{1};
 };
 
-// In the order of ids.
-Result<std::vector<NormalCode>> normalsOf(const index::IndexReader& reader) {
-    const auto read = index::readSamples(reader);
-    if (!read.isOk())
-        return read.error();
-    const ScalarGrid& volume = *read.value();
-    const BrickGrid& grid = reader.grid();
-    std::vector<NormalCode> normals(grid.idCount(), kNoNormal);
-    visitScalarType(volume.type(), [&](auto sample) {
-        const SampleView<decltype(sample)> view{volume.values<decltype(sample)>().data(), grid.dims()};
-        for (std::int64_t z = 0; z < grid.dims()[2]; ++z)
-            for (std::int64_t y = 0; y < grid.dims()[1]; ++y)
-                for (std::int64_t x = 0; x < grid.dims()[0]; ++x)
-                    findNormals(view, {x, y, z}, {1, 1, 1}, inverseSpacingOf(volume.geometry()),
-                                &normals[grid.pointId(x, y, z).index()]);
-    });
-    return normals;
-}
-
 } // namespace
 
 Result<std::unique_ptr<FlatRunner>> FlatRunner::open(const std::filesystem::path& indexPath) {
     auto reader = index::IndexReader::open(indexPath);
     if (!reader.isOk())
         return std::move(reader).error();
-    auto normals = normalsOf(*reader.value());
-    if (!normals.isOk())
-        return std::move(normals).error();
+    const auto volume = index::readSamples(*reader.value());
+    if (!volume.isOk())
+        return volume.error();
     const ScalarType type = reader.value()->info().type;
     return visitScalarType(type, [&](auto sample) -> Result<std::unique_ptr<FlatRunner>> {
         return std::unique_ptr<FlatRunner>(
-            std::make_unique<Runner<decltype(sample)>>(std::move(reader).value(), std::move(normals).value()));
+            std::make_unique<Runner<decltype(sample)>>(std::move(reader).value(), *volume.value()));
     });
 }
 

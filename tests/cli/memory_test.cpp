@@ -141,12 +141,11 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsCountedWithoutEvents) {
     EXPECT_FALSE(counts.contains("has_events")) << "there is memory for them now: they are added";
     EXPECT_GT(counts["components"], 1);
     EXPECT_EQ(runJson({"topology", path("a.isx"), "--events", "5"})["events"].size(), 5u);
-    // An index of edges has no samples to find events in.
     expectLimitKept({"build", path("volume.raw"), "--raw-dims", "128,128,128", "--raw-type", "u8", "--index", "edges"});
     const auto ofEdges = runJson({"topology", path("a.isx"), "--at", "127.5"});
-    EXPECT_FALSE(ofEdges["has_events"].get<bool>());
+    EXPECT_FALSE(ofEdges.contains("has_events"));
     EXPECT_EQ(ofEdges["components"], counts["components"]);
-    EXPECT_TRUE(runJson({"topology", path("a.isx"), "--events", "5"})["events"].empty());
+    EXPECT_EQ(runJson({"topology", path("a.isx"), "--events", "5"})["events"].size(), 5u);
 }
 
 // Three planes take more than there is.

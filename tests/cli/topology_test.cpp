@@ -257,9 +257,14 @@ TEST_F(CliTopology, AddsWhatAnIndexLacks) {
     EXPECT_EQ(runJson({"stats", index}).is_object(), true);
 }
 
-TEST_F(CliTopology, RefusesWhatItCannotCount) {
+TEST_F(CliTopology, IsFoundInTheSamplesOfAnIndexOfEdgesToo) {
     runJson({"build", sphereVolume(), "-o", path("edges.isx"), "--index", "edges", "--no-topology"});
-    expectRefusal({"topology", path("edges.isx"), "--at", "5"}, 3, "holds no samples");
+    runJson({"build", sphereVolume(), "-o", path("metacells.isx"), "--index", "metacells", "--no-topology"});
+    EXPECT_EQ(runJson({"topology", path("edges.isx"), "--at", "5"}),
+              runJson({"topology", path("metacells.isx"), "--at", "5"}));
+}
+
+TEST_F(CliTopology, RefusesWhatItCannotCount) {
     expectRefusal({"topology", sphereVolume(), "--at", "5", "--curves"}, 2);
     expectRefusal({"topology", sphereVolume(), "--events", "-1"}, 2);
     expectRefusal({"topology", path("missing.mha")}, 4);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <mutex>
 #include <optional>
 
@@ -13,7 +12,7 @@
 
 namespace isoslider::extract {
 
-using index::DecodedPage;
+using index::ChangePage;
 using index::WalkSegment;
 
 // One page to take from: of the file, or of a lazy level.
@@ -54,7 +53,7 @@ template <class Key>
 Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getLazyPage(const Task& task) {
     const index::StoredPage& page = task.lazy->pages[task.page];
     auto lookup = cache_.getOther(page.number, page.bytes,
-                                  [&](DecodedPage<Key>& decoded) { return lazyLevels_.load(page, decoded); });
+                                  [&](index::DecodedPage<Key>& decoded) { return lazyLevels_.load(page, decoded); });
     if (!lookup.isOk()) {
         lazyLevels_.forget(task.group);
         const std::lock_guard lock(damagedMutex_);
@@ -116,21 +115,22 @@ std::vector<typename BlockWalk<Key>::Task> BlockWalk<Key>::makeTasks(const std::
 // The records of a page that belong to the walk: all, or at level 0, which is in key order, those inside the
 // segment.
 template <class Key>
-typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const DecodedPage<Key>& page, const Task& task, WalkStep& step) {
-    if (task.level > index::kLevel0)
-        return {page, 0, page.pointCount(), 0};
+typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const ChangePage<Key>& page, const Task& task, WalkStep& step) {
+    if (task.level > index::kLevel0) {
+        step.edges += page.entries;
+        return {page, 0, page.recordCount()};
+    }
     const WalkSegment& segment = *task.segment;
     const auto low =
         std::partition_point(page.keys.begin(), page.keys.end(), [&](Key k) { return k < segment.beginKey; });
     const auto high = std::partition_point(low, page.keys.end(), [&](Key k) { return k < segment.endKey; });
     const auto begin = static_cast<std::size_t>(low - page.keys.begin()),
                end = static_cast<std::size_t>(high - page.keys.begin());
-    std::size_t entry = 0;
-    for (std::size_t i = 0; i < begin; ++i)
-        entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
-    for (std::size_t i = begin; i < end; ++i)
+    for (std::size_t i = begin; i < end; ++i) {
         step.blocks += i == begin || page.keys[i] != page.keys[i - 1];
-    return {page, begin, end, entry};
+        step.edges += page.entriesOf(i);
+    }
+    return {page, begin, end};
 }
 
 template <class Key>
@@ -153,10 +153,6 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             return;
         const Task& task = tasks[i];
         WalkStep& step = allSteps.local()[task.level.index()];
-        const auto take = [&](const DecodedPage<Key>& page) {
-            const Part part = partOf(page, task, step);
-            step.edges += visit(part) - part.firstEntry;
-        };
         auto lookup = task.lazy ? getLazyPage(task) : getPage(task.level, task.page);
         if (!lookup.isOk()) {
             const std::lock_guard lock(errorMutex);
@@ -168,7 +164,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
         bytesRead.fetch_add(lookup.value().bytesRead, std::memory_order_relaxed);
         step.bytes += task.lazy ? task.lazy->pages[task.page].bytes : skipList_.page(task.level, task.page).bytes;
         step.blocks += task.beginsBlock;
-        take(*lookup.value().page);
+        visit(partOf(*lookup.value().page, task, step));
     });
     if (firstError)
         return std::move(*firstError);

@@ -31,12 +31,10 @@ public:
     /// A run of records of one page. All lie in the interval of the walk; entries with both ends in it
     /// may be among them, since blocks are smaller than the walk.
     struct Part {
-        const index::DecodedPage<Key>& page;
-        std::size_t begin, end; ///< points
-        std::size_t firstEntry; ///< of point `begin`, in the page's far columns
+        const index::ChangePage<Key>& page;
+        std::size_t begin, end; ///< records
     };
-    /// Returns the entry after the last one of the part.
-    using Visit = std::function<std::size_t(const Part&)>;
+    using Visit = std::function<void(const Part&)>;
 
     /// Visits every record of net changes in [lower, upper), each once, from several threads. Fills
     /// `stats` with what was read (edgesTouched, bytesRead, walk). O(log N + K). Errors: IoError, Corruption,
@@ -85,7 +83,7 @@ private:
     /// As PageCache::get; remembers which pages cannot be read.
     Result<typename index::PageCache<Key>::Lookup> getPage(index::SkipLevel level, std::size_t page);
     Result<typename index::PageCache<Key>::Lookup> getLazyPage(const Task& task);
-    static Part partOf(const index::DecodedPage<Key>& page, const Task& task, WalkStep& step);
+    static Part partOf(const index::ChangePage<Key>& page, const Task& task, WalkStep& step);
 
     const index::IndexReader& reader_;
     index::SkipList skipList_;

@@ -29,6 +29,8 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sa
     : WalkedSource<Sample>(list, cacheBytes),
       samples_(samples),
       inverseSpacing_(inverseSpacingOf(list.info().geometry)),
+      isListOfEdges_(list.info().kind == index::IndexKind::Edges),
+      activity_(list.grid(), isListOfEdges_ ? BrickActivity<Key>::ListOf::Edges : BrickActivity<Key>::ListOf::Bricks),
       listBound_(listBound),
       slotOf_(list.grid().brickCount()),
       leavesOf_(list.grid().brickCount()),
@@ -38,8 +40,6 @@ BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sa
       foundSigns_(list.grid().brickCount()),
       scratches_(std::make_unique<tbb::enumerable_thread_specific<Scratch>>()) {
     slotOf_.grow(list.grid().brickCount());
-    if (list.info().kind == index::IndexKind::Edges)
-        edgeCounts_ = std::make_unique<BrickEdgeCounts<Key>>(list.grid());
 }
 
 template <class Sample>
@@ -68,51 +68,21 @@ void BrickSource<Sample>::reset() {
     foundSigns_.shrink(0);
 }
 
-// Bricks that come or go between two thresholds.
+// Bricks that come or go between two thresholds. `isAhead`: the position stays what it is.
 template <class Sample>
-Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats,
-                                      std::stop_token stop, NetBricks& net) {
-    if (edgeCounts_)
-        return netBricksOfEdges(lower, upper, goesUp, false, stats, stop, net);
-    const BrickGrid& grid = reader_.grid();
-    tbb::enumerable_thread_specific<NetBricks> nets;
-    const auto take = [&](const Part& part) {
-        NetBricks& local = nets.local();
-        std::size_t entry = part.firstEntry;
-        for (std::size_t i = part.begin; i < part.end; ++i, ++entry) { // one entry a record
-            const std::uint64_t far = part.page.farKeys[entry];
-            if (far >= lower && far < upper)
-                continue; // comes and goes within the move
-            const BrickIndex brick = brickOf(PointId(part.page.ids[i]));
-            if (region_ && !region_->contains(grid.brickCoords(brick)))
-                continue;
-            ((far > part.page.keys[i]) == goesUp ? local.arrive : local.leave).push_back(brick);
-        }
-        return entry;
-    };
-    ISO_TRY(walk_.visit(lower, upper, stats, stop, take));
-    for (const NetBricks& local : nets) {
-        net.arrive.insert(net.arrive.end(), local.arrive.begin(), local.arrive.end());
-        net.leave.insert(net.leave.end(), local.leave.begin(), local.leave.end());
-    }
-    return {};
-}
-
-// Those that get their first active edge or lose their last one. `isAhead`: the position stays what it is.
-template <class Sample>
-Status BrickSource<Sample>::netBricksOfEdges(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead,
-                                             SlideStats& stats, std::stop_token stop, NetBricks& net) {
-    edgeCounts_->beginWalk(lower, upper, goesUp);
-    ISO_TRY(walk_.visit(lower, upper, stats, stop, [this](const Part& part) { return edgeCounts_->add(part); }));
-    const auto changes = edgeCounts_->changes();
+Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead,
+                                      SlideStats& stats, std::stop_token stop, NetBricks& net) {
+    activity_.beginWalk(goesUp);
+    ISO_TRY(walk_.visit(lower, upper, stats, stop, [this](const Part& part) { activity_.add(part); }));
+    const auto changes = activity_.changes();
     for (const auto& change : changes) {
-        const std::uint32_t before = edgeCounts_->at(change.brick);
-        const bool arrives = before == 0, leaves = static_cast<int>(before) + change.edges == 0;
+        const std::uint32_t before = activity_.count(change.brick);
+        const bool arrives = before == 0, leaves = static_cast<int>(before) + change.count == 0;
         if ((arrives || leaves) && (!region_ || region_->contains(reader_.grid().brickCoords(change.brick))))
             (arrives ? net.arrive : net.leave).push_back(change.brick);
     }
-    if (!isAhead && !edgeCounts_->apply(changes))
-        return makeError(ErrorCode::Corruption, "index contradicts itself: an edge changes twice",
+    if (!isAhead && !activity_.apply(changes))
+        return makeError(ErrorCode::Corruption, "index contradicts itself: something becomes active twice",
                          reader_.pathString());
     return {};
 }
@@ -127,11 +97,10 @@ Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std
         const bool fromBelow = cost(lowest(), at) <= cost(at, highest());
         const std::uint64_t lost = walk_.pagesLost();
         net = {};
-        if (edgeCounts_)
-            edgeCounts_->clear();
-        hasEdgeCounts_ = true;
-        Status found = fromBelow ? netBricks(lowest(), at, true, stats, stop, net)
-                                 : netBricks(at, highest(), false, stats, stop, net);
+        activity_.clear();
+        hasCounts_ = true;
+        Status found = fromBelow ? netBricks(lowest(), at, true, false, stats, stop, net)
+                                 : netBricks(at, highest(), false, false, stats, stop, net);
         if (found.isOk() || found.isCancelled())
             return found;
         if (walk_.isBlocked(lowest(), at) && walk_.isBlocked(at, highest()))
@@ -144,7 +113,7 @@ Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std
 // The same without the list: what its damaged pages say of the bricks, their samples say too.
 template <class Sample>
 Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
-    hasEdgeCounts_ = false;
+    hasCounts_ = false;
     const BrickGrid& grid = reader_.grid();
     std::vector<BrickIndex> bricks;
     for (const BrickIndex brick : firstIds<BrickIndex>(grid.brickCount()))
@@ -187,16 +156,16 @@ Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, 
 }
 
 // Whether the bricks that are active after the move are all looked up: where the region has become another one, where
-// it is not known how many edges each brick has, and where that is cheaper: from an end of the list there are fewer
-// entries on the way, but all bricks are gone through.
+// it is not known which ones were, and, with a list of edges, where that is cheaper: from an end of the list there are
+// fewer entries on the way, but all bricks are gone through.
 template <class Sample>
 bool BrickSource<Sample>::isLookedUp(const Move& move) const {
-    if (hasNewRegion_ || !edgeCounts_)
-        return hasNewRegion_;
+    if (hasNewRegion_ || !hasCounts_ || !isListOfEdges_)
+        return hasNewRegion_ || !hasCounts_;
     const std::uint64_t fromEnd = std::min(walk_.estimate(lowest(), move.to), walk_.estimate(move.to, highest()));
     constexpr std::uint64_t kEntriesPerBrick = 8; // that cost as much
-    return !hasEdgeCounts_ || walk_.estimate(std::min(move.from, move.to), std::max(move.from, move.to)) >
-                                  fromEnd + kEntriesPerBrick * watch_.size();
+    return walk_.estimate(std::min(move.from, move.to), std::max(move.from, move.to)) >
+           fromEnd + kEntriesPerBrick * watch_.size();
 }
 
 // What comes and goes where all are looked up: of all that are active after the move those that are not
@@ -228,8 +197,8 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
     else if (isEnd(move.from))
         ISO_TRY(activeBricks(move.to, stats, stop, net));
     else
-        ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, stats, stop,
-                          net));
+        ISO_TRY(netBricks(std::min(move.from, move.to), std::max(move.from, move.to), move.from < move.to, false, stats,
+                          stop, net));
     // Before others leave, for which some may be given up.
     std::erase_if(net.arrive, [&](BrickIndex brick) { return !surface.shapes().hasCells(brick); });
     sortForReading(net.arrive, false);
@@ -360,7 +329,7 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         stats.bricksRead += scratch.bricks;
         stats.edgesAdded += scratch.edgesAdded;
         stats.edgesRemoved += scratch.edgesRemoved;
-        if (!edgeCounts_) // else those of the list have been
+        if (!isListOfEdges_) // else those of the list have been
             stats.edgesTouched += scratch.edgesAdded + scratch.edgesRemoved;
         stats.cellsResolved += scratch.draft.counts.cellsDecided;
         stats.cellsRetriangulated += scratch.draft.counts.cellsChanged;
@@ -541,10 +510,10 @@ void BrickSource<Sample>::finish(const Move& move, LiveSurface<Live>& surface, c
 // other bricks have; at the border of a region cells are smaller than it knows.
 template <class Sample>
 void BrickSource<Sample>::compareEdgeCount(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const {
-    if (edgeCounts_ && hasEdgeCounts_ && bound_ == listBound_ && (bound_.limit == 0.0 || !region_) &&
+    if (isListOfEdges_ && hasCounts_ && bound_ == listBound_ && (bound_.limit == 0.0 || !region_) &&
         !surface.brick(job.slot).isNearMissing)
         scratch.isConsistent =
-            scratch.isConsistent && edgeCounts_->at(brickOf_[job.slot.index()]) == scratch.draft.edgeVertices;
+            scratch.isConsistent && activity_.count(brickOf_[job.slot.index()]) == scratch.draft.edgeVertices;
 }
 
 template <class Sample>
@@ -570,9 +539,7 @@ Status BrickSource<Sample>::readAhead(KeyThreshold from, KeyThreshold to, std::s
     return one.execute([&]() -> Status {
         SlideStats stats;
         NetBricks net;
-        const KeyThreshold lower = std::min(from, to), upper = std::max(from, to);
-        Status fetched = edgeCounts_ ? netBricksOfEdges(lower, upper, from < to, true, stats, stop, net)
-                                     : netBricks(lower, upper, from < to, stats, stop, net);
+        Status fetched = netBricks(std::min(from, to), std::max(from, to), from < to, true, stats, stop, net);
         if (fetched.isOk()) {
             sortForReading(net.arrive, !readsBackwards_);
             fetched = samples_.fetch(net.arrive, stats, stop);

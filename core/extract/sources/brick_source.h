@@ -10,7 +10,7 @@
 
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/one_leaf.h"
-#include "core/extract/sources/brick_edge_counts.h"
+#include "core/extract/sources/brick_activity.h"
 #include "core/extract/sources/leaf_finding.h"
 #include "core/extract/sources/lines_ahead.h"
 #include "core/extract/sources/point_kernels.h"
@@ -27,7 +27,7 @@ namespace isoslider::extract {
 /// is active at the thresholds between the least and the greatest of its 9^3 samples, and only then has it active
 /// edges. So bricks become active and inactive at values as edges do: a record is a brick at its least (far key:
 /// greatest) or greatest key, a brick with both ends in a block's interval is redundant there. That of edges (section
-/// 2) states which edges become active and inactive: a brick is active while it has some (BrickEdgeCounts).
+/// 2) states which edges become active and inactive: a brick is active while it has some (BrickActivity).
 ///
 /// A move takes the net changes of the set of active bricks from the list. Bricks that leave are dropped without being
 /// read; those that arrive are read once and become the brick's points, as small as their type allows, with normals. Of
@@ -124,12 +124,10 @@ private:
     bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
     void reset();
     Status activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
-    Status netBricksOfEdges(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead, SlideStats& stats,
-                            std::stop_token stop, NetBricks& net);
     bool isLookedUp(const Move& move) const;
     Status bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
-    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, SlideStats& stats, std::stop_token stop,
-                     NetBricks& net);
+    Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead, SlideStats& stats,
+                     std::stop_token stop, NetBricks& net);
     Status lookUpBricks(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
                         NetBricks& net);
     Status changeActiveSet(const Move& move, LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
@@ -165,9 +163,10 @@ private:
 
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
-    std::unique_ptr<BrickEdgeCounts<Key>> edgeCounts_; ///< with a list of edges
-    bool hasEdgeCounts_ = false; ///< they are those of the position
-    MergeBound listBound_; ///< of the cells whose edges they are
+    bool isListOfEdges_; ///< else of bricks
+    BrickActivity<Key> activity_;
+    bool hasCounts_ = false; ///< its counts are those of the position
+    MergeBound listBound_; ///< of the cells whose edges the list has
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     std::vector<Watch> watch_; ///< by slot
     std::vector<BrickIndex> brickOf_; ///< by slot, where there is a brick

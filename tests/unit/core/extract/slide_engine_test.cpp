@@ -16,9 +16,9 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/merged/merged_extraction.h"
+#include "core/index/format/block_codec.h"
 #include "core/index/format/chunk_table.h"
 #include "core/index/index_writer.h"
-#include "core/index/page_cache.h"
 #include "preprocess/metacells/brick_list.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
@@ -529,10 +529,13 @@ void writeSparseIndex(const std::filesystem::path& cornerIndex, const ScalarGrid
     ASSERT_THAT(opened, IsOk());
     const index::IndexReader& corner = *opened.value();
     const BrickGrid grid(dims);
-    index::PageCache<std::uint16_t> pages(corner, 1u << 20);
+    std::vector<std::byte> pageBytes;
+    index::DecodedPage<std::uint16_t> decoded;
+    const auto* const page = &decoded;
     std::vector<index::PointRecord<std::uint16_t>> records;
-    for (std::size_t p = 0; p < corner.meta().levels[0].pages.size(); ++p) {
-        const auto page = pages.get(index::kLevel0, p).value().page;
+    for (const index::PageEntry& place : corner.meta().levels[0].pages) {
+        ASSERT_THAT(corner.readPage(place, pageBytes), IsOk());
+        ASSERT_THAT(index::decodePage<std::uint16_t>(pageBytes, corner.grid(), decoded, "page"), IsOk());
         std::size_t entry = 0;
         for (std::size_t i = 0; i < page->pointCount(); ++i) {
             index::PointRecord<std::uint16_t> record;

@@ -14,7 +14,6 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/index/index_reader.h"
-#include "core/index/page_cache.h"
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/faulty_file_system.h"
@@ -82,15 +81,19 @@ protected:
     /// By the definition: the records of level 0 in the group's interval, without what lies in it with both ends.
     std::multiset<Entry> netEntries(const BlockGroup& group) const {
         const auto& blocks = reader_->meta().levels.back().blocks;
-        PageCache<std::uint16_t> cache(*reader_, 1u << 20);
         std::multiset<Entry> entries;
+        std::vector<std::byte> bytes;
+        Page page;
         const std::uint64_t begin = blocks[group.firstBlock()].firstKey;
         const std::uint64_t end = blocks[group.blockEnd() - 1].lastKey + 1;
         const auto isNet = [&](std::uint64_t key, std::uint64_t farKey) {
             return key >= begin && key < end && (farKey < begin || farKey >= end);
         };
-        for (std::size_t p = 0; p < reader_->meta().levels[0].pages.size(); ++p)
-            addEntries(*cache.get(kLevel0, p).value().page, isNet, entries);
+        for (const PageEntry& place : reader_->meta().levels[0].pages) {
+            EXPECT_THAT(reader_->readPage(place, bytes), IsOk());
+            EXPECT_THAT(decodePage<std::uint16_t>(bytes, reader_->grid(), page, "page"), IsOk());
+            addEntries(page, isNet, entries);
+        }
         return entries;
     }
     static std::multiset<Entry> entriesOf(const Lazy& lazy, const StoredGroup& group) {

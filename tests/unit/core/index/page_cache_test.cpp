@@ -15,7 +15,7 @@ namespace {
 
 using test::IsOk;
 using Cache = PageCache<std::uint16_t>;
-using Page = DecodedPage<std::uint16_t>;
+using KeptPage = ChangePage<std::uint16_t>;
 
 class PageCacheTest : public testing::Test {
 protected:
@@ -35,7 +35,7 @@ protected:
     static Cache::Lookup get(Cache& cache, int level, std::size_t page) {
         auto found = cache.get(SkipLevel(level), page);
         EXPECT_THAT(found, IsOk());
-        return found.isOk() ? std::move(found).value() : Cache::Lookup{std::make_shared<Page>(), 0};
+        return found.isOk() ? std::move(found).value() : Cache::Lookup{std::make_shared<KeptPage>(), 0};
     }
     bool isKept(Cache& cache, std::size_t page) const { return get(cache, 0, page).bytesRead == 0; }
 
@@ -51,7 +51,7 @@ TEST_F(PageCacheTest, KeepsWithinItsBoundWhateverIsRead) {
     for (const std::uint64_t pages : {1, 3, 12}) {
         const std::uint64_t bound = pages * largest_;
         Cache cache(*reader_, bound);
-        std::map<const Page*, std::weak_ptr<const Page>> handedOut;
+        std::map<const KeptPage*, std::weak_ptr<const KeptPage>> handedOut;
         std::mt19937 random(5);
         std::uint64_t largest = 0;
         for (int round = 0; round < 400; ++round) {
@@ -89,7 +89,7 @@ TEST_F(PageCacheTest, HandsOutButDoesNotKeepAPageLargerThanTheBound) {
     for (int twice = 0; twice < 2; ++twice) {
         const auto found = get(cache, 0, 0);
         EXPECT_GT(found.bytesRead, 0u);
-        EXPECT_EQ(found.page->pointCount(), 4096u);
+        EXPECT_EQ(found.page->recordCount(), 4096u);
         EXPECT_EQ(cache.memoryBytes(), 0u);
     }
 }
@@ -102,7 +102,7 @@ TEST_F(PageCacheTest, KeepsWithinItsBoundBesideManyThreads) {
             std::mt19937 random(t);
             for (int round = 0; round < 100; ++round) {
                 const std::size_t page = random() % pageCount(0);
-                EXPECT_EQ(get(cache, 0, page).page->pointCount(), reader_->meta().levels[0].pages[page].points);
+                EXPECT_EQ(get(cache, 0, page).page->recordCount(), reader_->meta().levels[0].pages[page].points);
                 EXPECT_LE(cache.memoryBytes(), 5 * largest_);
             }
         });

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/extract/live/brick_shapes.h"
-#include "core/extract/sources/brick_edge_counts.h"
+#include "core/extract/sources/brick_activity.h"
 
 namespace isoslider::extract {
 namespace {
@@ -83,88 +83,88 @@ private:
 };
 
 // In parts, as pages are given out.
-void addAll(const index::DecodedPage<Key>& page, BrickEdgeCounts<Key>& counts, std::size_t partSize) {
-    std::size_t entry = 0;
-    for (std::size_t begin = 0; begin < page.pointCount(); begin += partSize)
-        entry = counts.add(Part{page, begin, std::min(begin + partSize, page.pointCount()), entry});
-    EXPECT_EQ(entry, page.edgeCount());
+void addAll(const index::DecodedPage<Key>& decoded, BrickActivity<Key>& counts, std::size_t partSize) {
+    index::ChangePage<Key> page;
+    page.assign(decoded);
+    for (std::size_t begin = 0; begin < page.recordCount(); begin += partSize)
+        counts.add(Part{page, begin, std::min(begin + partSize, page.recordCount())});
 }
 
 // Dims with points at the end of bricks, and bricks of points only.
 const std::vector<GridDims> kVolumes{{17, 20, 24}, {8, 9, 16}, {25, 2, 17}};
 
 // Upwards and downwards, by one value and by many, from nothing too.
-TEST(BrickEdgeCounts, AreThoseOfSamples) {
+TEST(BrickActivity, AreThoseOfSamples) {
     std::mt19937 random(5);
     for (const GridDims& dims : kVolumes) {
         const SmallVolume volume(dims, random);
-        BrickEdgeCounts<Key> counts(volume.grid());
+        BrickActivity<Key> counts(volume.grid(), BrickActivity<Key>::ListOf::Edges);
         KeyThreshold from = 0;
         for (const KeyThreshold to : {5, 6, 3, 4, 12, 7, 0, 1}) {
             const KeyThreshold lower = std::min(from, to), upper = std::max(from, to);
-            counts.beginWalk(lower, upper, to > from);
+            counts.beginWalk(to > from);
             addAll(volume.page(lower, upper, random), counts, to % 2 == 0 ? 7 : 1000);
             ASSERT_TRUE(counts.apply(counts.changes()));
             for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
                 if (volume.shapes().hasCells(brick)) {
-                    ASSERT_EQ(counts.at(brick), volume.activeEdges(brick, to)) << brick.number() << ", " << to;
+                    ASSERT_EQ(counts.count(brick), volume.activeEdges(brick, to)) << brick.number() << ", " << to;
                 }
             from = to;
         }
         counts.clear();
         for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
-            ASSERT_EQ(counts.at(brick), 0u);
+            ASSERT_EQ(counts.count(brick), 0u);
     }
 }
 
-TEST(BrickEdgeCounts, ChangeNothingUntilTheyAreApplied) {
+TEST(BrickActivity, ChangeNothingUntilTheyAreApplied) {
     std::mt19937 random(6);
     const SmallVolume volume(kVolumes[0], random);
-    BrickEdgeCounts<Key> counts(volume.grid());
-    counts.beginWalk(0, 6, true);
+    BrickActivity<Key> counts(volume.grid(), BrickActivity<Key>::ListOf::Edges);
+    counts.beginWalk(true);
     addAll(volume.page(0, 6, random), counts, 100);
     const auto first = counts.changes();
     ASSERT_FALSE(first.empty());
-    ASSERT_EQ(counts.at(first.front().brick), 0u);
+    ASSERT_EQ(counts.count(first.front().brick), 0u);
     ASSERT_TRUE(counts.apply(first));
-    const std::uint32_t before = counts.at(first.front().brick);
-    counts.beginWalk(6, 9, true); // ahead of a move that does not come
+    const std::uint32_t before = counts.count(first.front().brick);
+    counts.beginWalk(true); // ahead of a move that does not come
     addAll(volume.page(6, 9, random), counts, 100);
     ASSERT_FALSE(counts.changes().empty());
-    counts.beginWalk(4, 6, false);
+    counts.beginWalk(false);
     addAll(volume.page(4, 6, random), counts, 100);
-    EXPECT_EQ(counts.at(first.front().brick), before);
+    EXPECT_EQ(counts.count(first.front().brick), before);
     ASSERT_TRUE(counts.apply(counts.changes()));
     for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
         if (volume.shapes().hasCells(brick)) {
-            ASSERT_EQ(counts.at(brick), volume.activeEdges(brick, 4));
+            ASSERT_EQ(counts.count(brick), volume.activeEdges(brick, 4));
         }
 }
 
 // What only a damaged index states.
-TEST(BrickEdgeCounts, RefuseMoreOrFewerEdgesThanThereCanBe) {
+TEST(BrickActivity, RefuseMoreOrFewerEdgesThanThereCanBe) {
     std::mt19937 random(7);
     const SmallVolume volume(kVolumes[1], random);
-    BrickEdgeCounts<Key> counts(volume.grid());
+    BrickActivity<Key> counts(volume.grid(), BrickActivity<Key>::ListOf::Edges);
     const auto walk = [&](bool goesUp) {
-        counts.beginWalk(0, 6, goesUp);
+        counts.beginWalk(goesUp);
         addAll(volume.page(0, 6, random), counts, 100);
         return counts.apply(counts.changes());
     };
     EXPECT_FALSE(walk(false));
-    EXPECT_EQ(counts.at(BrickIndex(0)), 0u);
+    EXPECT_EQ(counts.count(BrickIndex(0)), 0u);
     int ups = 0;
     while (ups < 1000 && walk(true))
         ++ups;
     EXPECT_GT(ups, 1);
-    EXPECT_LE(ups * volume.activeEdges(BrickIndex(0), 6), std::uint32_t{BrickEdgeCounts<Key>::kMostEdges});
+    EXPECT_LE(ups * volume.activeEdges(BrickIndex(0), 6), std::uint32_t{BrickActivity<Key>::kMostEdges});
 }
 
 // Each end of the interval in which an edge carries a vertex on a leaf edge has a record. Leaves are not counted.
-TEST(BrickEdgeCounts, CountEdgesOnLeafEdges) {
+TEST(BrickActivity, CountEdgesOnLeafEdges) {
     namespace form = index::record_form;
     const BrickGrid grid({17, 17, 17});
-    BrickEdgeCounts<Key> counts(grid);
+    BrickActivity<Key> counts(grid, BrickActivity<Key>::ListOf::Edges);
     index::DecodedPage<Key> page;
     const auto add = [&](PointId id, std::uint8_t which, Key key, Key other) {
         page.ids.push_back(id.number());
@@ -180,19 +180,43 @@ TEST(BrickEdgeCounts, CountEdgesOnLeafEdges) {
     add(grid.pointId(8, 3, 8), form::edge(2, 0), 1, 4); // comes and goes
     add(grid.pointId(8, 3, 8), form::edge(2, 0), 4, 1);
     add(grid.pointId(8, 0, 8), form::leaf(1), 2, 7);
-    counts.beginWalk(0, 6, true);
+    counts.beginWalk(true);
     addAll(page, counts, 3);
     ASSERT_TRUE(counts.apply(counts.changes()));
-    const auto at = [&](int x, int y, int z) { return counts.at(grid.brickAt(x, y, z)); };
+    const auto at = [&](int x, int y, int z) { return counts.count(grid.brickAt(x, y, z)); };
     EXPECT_EQ(at(0, 0, 0), 1u);
     EXPECT_EQ(at(1, 0, 0), 2u);
     EXPECT_EQ(at(0, 0, 1), 1u);
     EXPECT_EQ(at(1, 0, 1), 2u);
     EXPECT_EQ(at(0, 1, 0) + at(1, 1, 0) + at(0, 1, 1), 0u);
-    counts.beginWalk(0, 6, false);
+    counts.beginWalk(false);
     addAll(page, counts, 1);
     ASSERT_TRUE(counts.apply(counts.changes()));
     EXPECT_EQ(at(0, 0, 0) + at(1, 0, 0) + at(0, 0, 1) + at(1, 0, 1), 0u);
+}
+
+// A list of bricks: each has a record at its least and one at its greatest key.
+TEST(BrickActivity, OfAListOfBricksIsTheirs) {
+    const BrickGrid grid({33, 17, 9});
+    BrickActivity<Key> activity(grid, BrickActivity<Key>::ListOf::Bricks);
+    index::DecodedPage<Key> page;
+    const auto add = [&](BrickIndex brick, Key key, Key other) {
+        page.ids.push_back(pointIn(brick, LocalPoint()).number());
+        page.keys.push_back(key);
+        page.masks.push_back(2);
+        page.farKeys.push_back(other);
+    };
+    add(BrickIndex(3), 2, 9);
+    add(BrickIndex(5), 1, 4); // comes and goes
+    add(BrickIndex(5), 4, 1);
+    activity.beginWalk(true);
+    addAll(page, activity, 2);
+    ASSERT_TRUE(activity.apply(activity.changes()));
+    EXPECT_EQ(activity.count(BrickIndex(3)), 1u);
+    EXPECT_EQ(activity.count(BrickIndex(5)), 0u);
+    activity.beginWalk(true);
+    addAll(page, activity, 2);
+    EXPECT_FALSE(activity.apply(activity.changes())) << "twice";
 }
 
 } // namespace

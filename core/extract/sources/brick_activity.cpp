@@ -1,0 +1,123 @@
+#include "core/extract/sources/brick_activity.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+namespace isoslider::extract {
+namespace {
+
+constexpr std::size_t kBatch = 512; // records, which stay in the nearest cache
+
+int difference(unsigned rising, unsigned falling) { return std::popcount(rising) - std::popcount(falling); }
+
+} // namespace
+
+template <class Key>
+BrickActivity<Key>::BrickActivity(const BrickGrid& grid, ListOf list)
+    : bricks_(grid.brickCount()), counts_(bricks_), deltas_([this] { return Deltas(bricks_); }) {
+    if (list == ListOf::Edges)
+        holders_.emplace(grid);
+}
+
+template <class Key>
+BrickActivity<Key>::~BrickActivity() = default;
+
+template <class Key>
+void BrickActivity<Key>::clear() {
+    counts_.release(0);
+}
+
+template <class Key>
+void BrickActivity<Key>::beginWalk(bool goesUp) {
+    goesUp_ = goesUp;
+    for (Deltas& deltas : deltas_)
+        deltas.touched.clear();
+    if (++walk_ != 0)
+        return;
+    for (Deltas& deltas : deltas_) // numbers begin again
+        deltas.byBrick.release(0);
+    walk_ = 1;
+}
+
+template <class Key>
+inline void BrickActivity<Key>::add(BrickIndex brick, int count, Deltas& deltas) {
+    Delta& delta = deltas.byBrick[brick.index()];
+    if (delta.walk != walk_) {
+        delta = {walk_, 0};
+        deltas.touched.push_back(brick);
+    }
+    delta.count += count;
+}
+
+template <class Key>
+void BrickActivity<Key>::add(const typename BlockWalk<Key>::Part& part) {
+    Deltas& deltas = deltas_.local();
+    if (!holders_)
+        return addBricks(part, deltas);
+    for (std::size_t begin = part.begin; begin < part.end; begin += kBatch)
+        addEdges({part.page, begin, std::min(begin + kBatch, part.end)}, deltas);
+}
+
+template <class Key>
+void BrickActivity<Key>::addBricks(const typename BlockWalk<Key>::Part& part, Deltas& deltas) {
+    for (std::size_t i = part.begin; i < part.end; ++i)
+        add(brickOf(part.page.id(i)), difference(part.page.rising[i], part.page.falling[i]), deltas);
+}
+
+// Which points are held more than once can hardly be predicted: so those are listed first.
+template <class Key>
+void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) {
+    const index::ChangePage<Key>& page = batch.page;
+    std::array<std::uint32_t, kBatch + 1> heldOften;
+    std::size_t often = 0;
+    for (std::size_t i = batch.begin; i < batch.end; ++i) {
+        const PointId id = page.id(i);
+        const bool isOnce = holders_->isHeldOnce(id);
+        add(brickOf(id), isOnce ? difference(page.rising[i], page.falling[i]) : 0, deltas);
+        heldOften[often] = static_cast<std::uint32_t>(i);
+        often += !isOnce;
+    }
+    for (const std::uint32_t i : std::span(heldOften).first(often))
+        holders_->forEach(page.id(i), [&](BrickIndex holder, ClosedPoint, unsigned inside) {
+            add(holder, difference(page.rising[i] & inside, page.falling[i] & inside), deltas);
+        });
+}
+
+template <class Key>
+auto BrickActivity<Key>::changes() -> std::vector<Change> {
+    std::vector<Change> changes;
+    for (Deltas& deltas : deltas_)
+        for (const BrickIndex brick : deltas.touched) {
+            int count = 0;
+            for (Deltas& each : deltas_) {
+                Delta& delta = each.byBrick[brick.index()];
+                if (delta.walk == walk_)
+                    count += std::exchange(delta.count, 0); // others may have touched it, too
+            }
+            if (count != 0)
+                changes.push_back({brick, goesUp_ ? count : -count});
+        }
+    return changes;
+}
+
+template <class Key>
+bool BrickActivity<Key>::apply(std::span<const Change> changes) {
+    const int most = holders_ ? kMostEdges : 1;
+    const bool isPossible = std::all_of(changes.begin(), changes.end(), [&](const Change& change) {
+        const int after = static_cast<int>(count(change.brick)) + change.count;
+        return after >= 0 && after <= most;
+    });
+    if (!isPossible)
+        return false;
+    for (const Change& change : changes)
+        counts_[change.brick.index()] = static_cast<std::uint16_t>(counts_[change.brick.index()] + change.count);
+    return true;
+}
+
+template class BrickActivity<std::uint16_t>;
+template class BrickActivity<std::uint32_t>;
+template class BrickActivity<std::uint64_t>;
+
+} // namespace isoslider::extract

@@ -1,0 +1,49 @@
+#include "core/index/change_page.h"
+
+namespace isoslider::index {
+
+template <class Key>
+void ChangePage<Key>::assign(const DecodedPage<Key>& page) {
+    const std::size_t count = page.pointCount();
+    keys.resize(count);
+    idsLow.resize(count);
+    idsHigh.resize(count);
+    rising.resize(count);
+    falling.resize(count);
+    entries = 0;
+    std::size_t record = 0, entry = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Key key = page.keys[i];
+        const unsigned mask = page.masks[i];
+        unsigned up = 0;
+        if (const std::uint8_t form = page.form(i); form == record_form::kPoint) {
+            for (unsigned left = mask; left != 0; left &= left - 1)
+                up |= page.farKeys[entry++] > key ? left & (0 - left) : 0u;
+            rising[record] = static_cast<std::uint8_t>(up);
+            falling[record] = static_cast<std::uint8_t>(mask & ~up);
+        } else {
+            const bool rises = page.farKeys[entry] > key; // the other end of its interval
+            entry += static_cast<std::size_t>(std::popcount(mask));
+            if (!record_form::isEdge(form))
+                continue;
+            const auto edge = static_cast<std::uint8_t>(2u << (2 * record_form::axisOf(form)));
+            rising[record] = rises ? edge : 0;
+            falling[record] = rises ? 0 : edge;
+        }
+        keys[record] = key;
+        idsLow[record] = static_cast<std::uint32_t>(page.ids[i]);
+        idsHigh[record] = static_cast<std::uint16_t>(page.ids[i] >> 32);
+        entries += entriesOf(record++);
+    }
+    keys.resize(record);
+    idsLow.resize(record);
+    idsHigh.resize(record);
+    rising.resize(record);
+    falling.resize(record);
+}
+
+template struct ChangePage<std::uint16_t>;
+template struct ChangePage<std::uint32_t>;
+template struct ChangePage<std::uint64_t>;
+
+} // namespace isoslider::index
