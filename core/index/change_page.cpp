@@ -1,5 +1,7 @@
 #include "core/index/change_page.h"
 
+#include <cstring>
+
 namespace isoslider::index {
 
 template <class Key>
@@ -10,7 +12,6 @@ void ChangePage<Key>::assign(const DecodedPage<Key>& page) {
     idsHigh.resize(count);
     rising.resize(count);
     falling.resize(count);
-    entries = 0;
     std::size_t record = 0, entry = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Key key = page.keys[i];
@@ -33,13 +34,44 @@ void ChangePage<Key>::assign(const DecodedPage<Key>& page) {
         keys[record] = key;
         idsLow[record] = static_cast<std::uint32_t>(page.ids[i]);
         idsHigh[record] = static_cast<std::uint16_t>(page.ids[i] >> 32);
-        entries += entriesOf(record++);
+        ++record;
     }
     keys.resize(record);
     idsLow.resize(record);
     idsHigh.resize(record);
     rising.resize(record);
     falling.resize(record);
+    entries = entriesOf(0, record);
+    totals.clear();
+    hasTotals = false;
+}
+
+template <class Key>
+std::size_t ChangePage<Key>::entriesOf(std::size_t begin, std::size_t end) const {
+    std::size_t count = 0, i = begin;
+    for (std::uint64_t up, down; i + sizeof up <= end; i += sizeof up) {
+        std::memcpy(&up, rising.data() + i, sizeof up);
+        std::memcpy(&down, falling.data() + i, sizeof down);
+        count += static_cast<std::size_t>(std::popcount(up | down));
+    }
+    for (; i < end; ++i)
+        count += entriesOf(i);
+    return count;
+}
+
+template <class Key>
+void ChangePage<Key>::beginTotals(const ChangePage& records) {
+    entries = records.entries;
+    distinctKeys = records.keys.empty() ? 0 : 1;
+    for (std::size_t i = 1; i < records.keys.size(); ++i)
+        distinctKeys += records.keys[i] != records.keys[i - 1];
+    hasTotals = true;
+    totals.clear();
+    keys.clear();
+    idsLow.clear();
+    idsHigh.clear();
+    rising.clear();
+    falling.clear();
 }
 
 template struct ChangePage<std::uint16_t>;

@@ -13,15 +13,27 @@ namespace isoslider::index {
 /// key (PAPER 2: E+, E-). Each edge has two records, one where it rises and one where it falls; so of an edge that a
 /// walk passes both ends of the changes add up to nothing, and nobody needs to know where its other end is.
 ///
+/// A page that is taken whole can do without its records: what they add up to by brick, its totals, is an eighteenth of
+/// them in a block of a higher level, where neighbours meet.
+///
 /// Of a list of bricks a record's only bit stands for the brick. Where cells are merged, an edge that carries a vertex
 /// on a leaf edge is one upwards from its lower point; leaves are left out.
 template <class Key>
 struct ChangePage {
+    /// What a brick's count rises by when the isovalue rises past all records.
+    struct Total {
+        BrickIndex brick;
+        std::int32_t count;
+    };
+
     std::vector<Key> keys;
     std::vector<std::uint32_t> idsLow;
     std::vector<std::uint16_t> idsHigh;
     std::vector<std::uint8_t> rising, falling; ///< of the record's edges, as in a point record's mask
     std::size_t entries = 0; ///< set bits of both
+    std::vector<Total> totals; ///< where records are not kept
+    bool hasTotals = false;
+    std::size_t distinctKeys = 0; ///< likewise; runs of equal ones in a page of a higher level
 
     std::size_t recordCount() const { return keys.size(); }
     PointId id(std::size_t i) const { return PointId(std::uint64_t{idsLow[i]} | std::uint64_t{idsHigh[i]} << 32); }
@@ -31,10 +43,15 @@ struct ChangePage {
     /// What the arrays take, which may have held a larger page before.
     std::size_t memoryBytes() const {
         return keys.capacity() * sizeof(Key) + idsLow.capacity() * sizeof(std::uint32_t) +
-               idsHigh.capacity() * sizeof(std::uint16_t) + rising.capacity() + falling.capacity();
+               idsHigh.capacity() * sizeof(std::uint16_t) + rising.capacity() + falling.capacity() +
+               totals.capacity() * sizeof(Total);
     }
+    /// Set bits of records [begin, end).
+    std::size_t entriesOf(std::size_t begin, std::size_t end) const;
     /// Reuses the memory of what was here before.
     void assign(const DecodedPage<Key>& page);
+    /// As `records`, but in place of these has room for their totals.
+    void beginTotals(const ChangePage& records);
 };
 
 extern template struct ChangePage<std::uint16_t>;

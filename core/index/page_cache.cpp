@@ -14,6 +14,7 @@ static constexpr std::size_t kMaxSpares = 8;
 
 // Above the numbers of all levels.
 static constexpr std::uint64_t kOthers = std::uint64_t{0xff} << 56;
+static constexpr std::uint64_t kTotals = std::uint64_t{1} << 55; // above the numbers of a level's pages
 
 template <class Key>
 Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes, std::uint32_t points,
@@ -46,8 +47,8 @@ std::shared_ptr<ChangePage<Key>> PageCache<Key>::find(std::uint64_t id) {
 }
 
 template <class Key>
-Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std::size_t pageIndex) {
-    const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | pageIndex;
+Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std::size_t pageIndex, Form form) {
+    const std::uint64_t id = static_cast<std::uint64_t>(level) << 56 | (form == Form::Totals ? kTotals : 0) | pageIndex;
     if (auto page = find(id))
         return Lookup{std::move(page), 0};
     const PageEntry& entry = reader_.meta().levels[level.index()].pages[pageIndex];
@@ -58,8 +59,7 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
         status = decodeStated(reader_, bytes, entry.points, entry.edges, decoded);
     if (!status.isOk())
         return inPage(reader_, level, pageIndex, std::move(status).error());
-    std::shared_ptr<ChangePage<Key>> page = takeSpare();
-    page->assign(decoded);
+    std::shared_ptr<ChangePage<Key>> page = pageOf(decoded, form);
     insert(id, page);
     return Lookup{std::move(page), entry.bytes};
 }
@@ -71,10 +71,26 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(std::uint64_t n
         return Lookup{std::move(page), 0};
     thread_local DecodedPage<Key> decoded;
     ISO_TRY(load(decoded));
-    std::shared_ptr<ChangePage<Key>> page = takeSpare();
-    page->assign(decoded);
+    std::shared_ptr<ChangePage<Key>> page = pageOf(decoded, Form::Totals);
     insert(kOthers | number, page);
     return Lookup{std::move(page), bytes};
+}
+
+template <class Key>
+std::shared_ptr<ChangePage<Key>> PageCache<Key>::pageOf(const DecodedPage<Key>& decoded, Form form) {
+    std::shared_ptr<ChangePage<Key>> page = takeSpare();
+    if (form == Form::Records || !sumUp_) {
+        page->assign(decoded);
+        return page;
+    }
+    thread_local ChangePage<Key> records;
+    thread_local std::vector<typename ChangePage<Key>::Total> totals;
+    records.assign(decoded);
+    totals.clear();
+    sumUp_(records, totals);
+    page->beginTotals(records);
+    page->totals.assign(totals.begin(), totals.end());
+    return page;
 }
 
 template <class Key>

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "core/index/change_page.h"
 #include "core/index/index_reader.h"
@@ -23,17 +25,23 @@ Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes,
 template <class Key>
 class PageCache {
 public:
-    PageCache(const IndexReader& reader, std::uint64_t maxBytes) : reader_(reader), maxBytes_(maxBytes) {}
+    /// Adds up a page's records by brick.
+    using SumUp = std::function<void(const ChangePage<Key>& records, std::vector<typename ChangePage<Key>::Total>&)>;
+    enum class Form : std::uint8_t { Records, Totals };
+
+    /// `sumUp`: none, or called on any thread; without it there are no pages of totals.
+    PageCache(const IndexReader& reader, std::uint64_t maxBytes, SumUp sumUp = {})
+        : reader_(reader), maxBytes_(maxBytes), sumUp_(std::move(sumUp)) {}
 
     struct Lookup {
         std::shared_ptr<const ChangePage<Key>> page;
         std::uint64_t bytesRead = 0; ///< 0 on a hit
     };
 
-    /// Errors: IoError, Corruption.
-    Result<Lookup> get(SkipLevel level, std::size_t pageIndex);
-    /// Of what lies elsewhere (LevelStore), by a number that no other such page has; `load` fills the page. Errors:
-    /// those of `load`.
+    /// Totals are records where there is no sumUp. Errors: IoError, Corruption.
+    Result<Lookup> get(SkipLevel level, std::size_t pageIndex, Form form = Form::Records);
+    /// Of what lies elsewhere (LevelStore), by a number that no other such page has; `load` fills the page. As totals.
+    /// Errors: those of `load`.
     Result<Lookup> getOther(std::uint64_t number, std::uint64_t bytes,
                             const std::function<Status(DecodedPage<Key>&)>& load);
 
@@ -48,10 +56,12 @@ private:
 
     std::shared_ptr<ChangePage<Key>> find(std::uint64_t id);
     std::shared_ptr<ChangePage<Key>> takeSpare();
+    std::shared_ptr<ChangePage<Key>> pageOf(const DecodedPage<Key>& decoded, Form form);
     void insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> page);
 
     const IndexReader& reader_;
     std::uint64_t maxBytes_;
+    SumUp sumUp_;
     mutable std::mutex mutex_;
     std::uint64_t bytes_ = 0;
     std::list<Entry> entries_; // most recently used first

@@ -27,17 +27,19 @@ struct BlockWalk<Key>::Task {
 };
 
 template <class Key>
-BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes)
+BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes, SumUp sumUp)
     : reader_(reader),
       skipList_(reader.meta().levels),
-      cache_(reader, cacheBytes),
+      cache_(reader, cacheBytes, std::move(sumUp)),
       lazyLevels_(reader, cacheBytes / 4) {}
 
 // A page that fails may be gone around, one that could be read after all no longer is: a disk may have been out of
 // reach.
 template <class Key>
-Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(index::SkipLevel level, std::size_t page) {
-    auto lookup = cache_.get(level, page);
+Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(const Task& task) {
+    using Form = typename index::PageCache<Key>::Form;
+    const auto &level = task.level, &page = task.page;
+    auto lookup = cache_.get(level, page, isTakenWhole(task) ? Form::Totals : Form::Records);
     if (lookup.isOk() && lookup.value().bytesRead == 0)
         return lookup; // of the cache
     const std::lock_guard lock(damagedMutex_);
@@ -46,6 +48,15 @@ Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(index::Sk
     else if (lookup.error().code == ErrorCode::Corruption || lookup.error().code == ErrorCode::IoError)
         pagesLost_ += damaged_.emplace(level, page).second;
     return lookup;
+}
+
+// Pages of level 0 are in key order: one at an end of a segment is cut.
+template <class Key>
+bool BlockWalk<Key>::isTakenWhole(const Task& task) const {
+    if (task.level > index::kLevel0)
+        return true;
+    const index::PageEntry& page = skipList_.page(task.level, task.page);
+    return page.firstKey >= task.segment->beginKey && page.lastKey < task.segment->endKey;
 }
 
 // A group that is damaged is none: the next walk goes over its blocks.
@@ -116,8 +127,9 @@ std::vector<typename BlockWalk<Key>::Task> BlockWalk<Key>::makeTasks(const std::
 // segment.
 template <class Key>
 typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const ChangePage<Key>& page, const Task& task, WalkStep& step) {
-    if (task.level > index::kLevel0) {
+    if (page.hasTotals || task.level > index::kLevel0) {
         step.edges += page.entries;
+        step.blocks += task.level == index::kLevel0 ? page.distinctKeys : 0;
         return {page, 0, page.recordCount()};
     }
     const WalkSegment& segment = *task.segment;
@@ -126,10 +138,9 @@ typename BlockWalk<Key>::Part BlockWalk<Key>::partOf(const ChangePage<Key>& page
     const auto high = std::partition_point(low, page.keys.end(), [&](Key k) { return k < segment.endKey; });
     const auto begin = static_cast<std::size_t>(low - page.keys.begin()),
                end = static_cast<std::size_t>(high - page.keys.begin());
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end; ++i)
         step.blocks += i == begin || page.keys[i] != page.keys[i - 1];
-        step.edges += page.entriesOf(i);
-    }
+    step.edges += page.entriesOf(begin, end);
     return {page, begin, end};
 }
 
@@ -153,7 +164,7 @@ Status BlockWalk<Key>::visit(KeyThreshold lower, KeyThreshold upper, SlideStats&
             return;
         const Task& task = tasks[i];
         WalkStep& step = allSteps.local()[task.level.index()];
-        auto lookup = task.lazy ? getLazyPage(task) : getPage(task.level, task.page);
+        auto lookup = task.lazy ? getLazyPage(task) : getPage(task);
         if (!lookup.isOk()) {
             const std::lock_guard lock(errorMutex);
             if (!firstError || task.page < firstErrorPage)

@@ -25,11 +25,13 @@ namespace isoslider::extract {
 template <class Key>
 class BlockWalk {
 public:
-    /// `reader` must outlive the walk.
-    BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes);
+    using SumUp = typename index::PageCache<Key>::SumUp;
 
-    /// A run of records of one page. All lie in the interval of the walk; entries with both ends in it
-    /// may be among them, since blocks are smaller than the walk.
+    /// `reader` must outlive the walk. `sumUp`: none, or pages that are taken whole have totals in place of records.
+    BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes, SumUp sumUp = {});
+
+    /// A run of records of one page, or, where it has totals, the whole of it. All records lie in the interval of the
+    /// walk; entries with both ends in it may be among them, since blocks are smaller than the walk.
     struct Part {
         const index::ChangePage<Key>& page;
         std::size_t begin, end; ///< records
@@ -81,7 +83,8 @@ private:
     void addGroup(const index::WalkSegment& segment, const index::BlockGroup& group, std::vector<Task>& tasks);
     void addBlocks(const index::WalkSegment& segment, std::uint64_t begin, std::uint64_t end, std::vector<Task>& tasks);
     /// As PageCache::get; remembers which pages cannot be read.
-    Result<typename index::PageCache<Key>::Lookup> getPage(index::SkipLevel level, std::size_t page);
+    Result<typename index::PageCache<Key>::Lookup> getPage(const Task& task);
+    bool isTakenWhole(const Task& task) const;
     Result<typename index::PageCache<Key>::Lookup> getLazyPage(const Task& task);
     static Part partOf(const index::ChangePage<Key>& page, const Task& task, WalkStep& step);
 

@@ -16,7 +16,10 @@ int difference(unsigned rising, unsigned falling) { return std::popcount(rising)
 
 template <class Key>
 BrickActivity<Key>::BrickActivity(const BrickGrid& grid, ListOf list)
-    : bricks_(grid.brickCount()), counts_(bricks_), deltas_([this] { return Deltas(bricks_); }) {
+    : bricks_(grid.brickCount()),
+      counts_(bricks_),
+      deltas_([this] { return Deltas(bricks_); }),
+      sums_([this] { return Deltas(bricks_); }) {
     if (list == ListOf::Edges)
         holders_.emplace(grid);
 }
@@ -30,72 +33,79 @@ void BrickActivity<Key>::clear() {
 }
 
 template <class Key>
-void BrickActivity<Key>::beginWalk(bool goesUp) {
-    goesUp_ = goesUp;
-    for (Deltas& deltas : deltas_)
-        deltas.touched.clear();
-    if (++walk_ != 0)
-        return;
-    for (Deltas& deltas : deltas_) // numbers begin again
-        deltas.byBrick.release(0);
-    walk_ = 1;
+void BrickActivity<Key>::Deltas::begin() {
+    touched_.clear();
+    if (++number_ == 0) { // they begin again
+        byBrick_.release(0);
+        number_ = 1;
+    }
 }
 
 template <class Key>
-inline void BrickActivity<Key>::add(BrickIndex brick, int count, Deltas& deltas) {
-    Delta& delta = deltas.byBrick[brick.index()];
-    if (delta.walk != walk_) {
-        delta = {walk_, 0};
-        deltas.touched.push_back(brick);
-    }
-    delta.count += count;
+void BrickActivity<Key>::beginWalk(bool goesUp) {
+    goesUp_ = goesUp;
+    for (Deltas& deltas : deltas_)
+        deltas.begin();
 }
 
 template <class Key>
 void BrickActivity<Key>::add(const typename BlockWalk<Key>::Part& part) {
     Deltas& deltas = deltas_.local();
-    if (!holders_)
-        return addBricks(part, deltas);
-    for (std::size_t begin = part.begin; begin < part.end; begin += kBatch)
-        addEdges({part.page, begin, std::min(begin + kBatch, part.end)}, deltas);
+    if (!part.page.hasTotals)
+        return addRecords(part, deltas);
+    for (const auto& total : part.page.totals)
+        deltas.add(total.brick, total.count);
 }
 
 template <class Key>
-void BrickActivity<Key>::addBricks(const typename BlockWalk<Key>::Part& part, Deltas& deltas) {
+void BrickActivity<Key>::sumUp(const index::ChangePage<Key>& page,
+                               std::vector<typename index::ChangePage<Key>::Total>& totals) {
+    Deltas& sums = sums_.local();
+    sums.begin();
+    addRecords({page, 0, page.recordCount()}, sums);
+    for (const BrickIndex brick : sums.touched())
+        if (const int count = sums.take(brick); count != 0)
+            totals.push_back({brick, count});
+}
+
+template <class Key>
+void BrickActivity<Key>::addRecords(const typename BlockWalk<Key>::Part& part, Deltas& deltas) const {
+    if (holders_) {
+        for (std::size_t begin = part.begin; begin < part.end; begin += kBatch)
+            addEdges({part.page, begin, std::min(begin + kBatch, part.end)}, deltas);
+        return;
+    }
     for (std::size_t i = part.begin; i < part.end; ++i)
-        add(brickOf(part.page.id(i)), difference(part.page.rising[i], part.page.falling[i]), deltas);
+        deltas.add(brickOf(part.page.id(i)), difference(part.page.rising[i], part.page.falling[i]));
 }
 
 // Which points are held more than once can hardly be predicted: so those are listed first.
 template <class Key>
-void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) {
+void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) const {
     const index::ChangePage<Key>& page = batch.page;
     std::array<std::uint32_t, kBatch + 1> heldOften;
     std::size_t often = 0;
     for (std::size_t i = batch.begin; i < batch.end; ++i) {
         const PointId id = page.id(i);
         const bool isOnce = holders_->isHeldOnce(id);
-        add(brickOf(id), isOnce ? difference(page.rising[i], page.falling[i]) : 0, deltas);
+        deltas.add(brickOf(id), isOnce ? difference(page.rising[i], page.falling[i]) : 0);
         heldOften[often] = static_cast<std::uint32_t>(i);
         often += !isOnce;
     }
     for (const std::uint32_t i : std::span(heldOften).first(often))
         holders_->forEach(page.id(i), [&](BrickIndex holder, ClosedPoint, unsigned inside) {
-            add(holder, difference(page.rising[i] & inside, page.falling[i] & inside), deltas);
+            deltas.add(holder, difference(page.rising[i] & inside, page.falling[i] & inside));
         });
 }
 
 template <class Key>
 auto BrickActivity<Key>::changes() -> std::vector<Change> {
     std::vector<Change> changes;
-    for (Deltas& deltas : deltas_)
-        for (const BrickIndex brick : deltas.touched) {
+    for (const Deltas& deltas : deltas_)
+        for (const BrickIndex brick : deltas.touched()) {
             int count = 0;
-            for (Deltas& each : deltas_) {
-                Delta& delta = each.byBrick[brick.index()];
-                if (delta.walk == walk_)
-                    count += std::exchange(delta.count, 0); // others may have touched it, too
-            }
+            for (Deltas& each : deltas_) // others may have touched it, too
+                count += each.take(brick);
             if (count != 0)
                 changes.push_back({brick, goesUp_ ? count : -count});
         }

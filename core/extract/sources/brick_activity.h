@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -22,7 +23,7 @@ namespace isoslider::extract {
 /// active ones. Of a list of bricks (PAPER 3) each counts itself.
 ///
 /// A walk adds up what its records change, from several threads; bringing the counts to where it goes is separate, so
-/// that a walk may be made ahead. Two bytes a brick, and eight for each thread, of pages of memory that were touched.
+/// that a walk may be made ahead. Two bytes a brick, and sixteen for each thread, of pages of memory that were touched.
 template <class Key>
 class BrickActivity {
 public:
@@ -43,8 +44,10 @@ public:
 
     /// Begins a walk between two thresholds. One at a time.
     void beginWalk(bool goesUp);
-    /// Adds records of the walk. Any thread.
+    /// Adds records of the walk, or totals. Any thread.
     void add(const typename BlockWalk<Key>::Part& part);
+    /// What the records of a page add up to, in the order in which bricks come first. Any thread.
+    void sumUp(const index::ChangePage<Key>& page, std::vector<typename index::ChangePage<Key>::Total>& totals);
     /// What the walk has changed, each brick once; those whose counts stay are left out.
     std::vector<Change> changes();
 
@@ -52,25 +55,44 @@ public:
     bool apply(std::span<const Change> changes);
 
 private:
-    struct Delta {
-        std::uint32_t walk;
-        std::int32_t count;
+    /// Changes by brick, of which one thread makes many: no memory is cleared in between.
+    class Deltas {
+    public:
+        explicit Deltas(std::size_t bricks) : byBrick_(bricks) {}
+        void begin();
+        void add(BrickIndex brick, int count) {
+            Delta& delta = byBrick_[brick.index()];
+            if (delta.number != number_) {
+                delta = {number_, 0};
+                touched_.push_back(brick);
+            }
+            delta.count += count;
+        }
+        const std::vector<BrickIndex>& touched() const { return touched_; }
+        /// And it is 0 from then on.
+        int take(BrickIndex brick) {
+            Delta& delta = byBrick_[brick.index()];
+            return delta.number == number_ ? std::exchange(delta.count, 0) : 0;
+        }
+
+    private:
+        struct Delta {
+            std::uint32_t number; ///< of those that it is of
+            std::int32_t count;
+        };
+        VirtualArray<Delta> byBrick_;
+        std::vector<BrickIndex> touched_;
+        std::uint32_t number_ = 1;
     };
-    struct Deltas {
-        explicit Deltas(std::size_t bricks) : byBrick(bricks) {}
-        VirtualArray<Delta> byBrick; ///< of this walk, or nothing
-        std::vector<BrickIndex> touched;
-    };
-    void addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas);
-    void addBricks(const typename BlockWalk<Key>::Part& part, Deltas& deltas);
-    void add(BrickIndex brick, int count, Deltas& deltas);
+    void addRecords(const typename BlockWalk<Key>::Part& part, Deltas& deltas) const;
+    void addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) const;
 
     std::optional<PointHolders> holders_; ///< with a list of edges
     std::uint64_t bricks_;
     VirtualArray<std::uint16_t> counts_;
     bool goesUp_ = false;
-    std::uint32_t walk_ = 0;
-    tbb::enumerable_thread_specific<Deltas> deltas_;
+    tbb::enumerable_thread_specific<Deltas> deltas_; ///< of the walk
+    tbb::enumerable_thread_specific<Deltas> sums_; ///< of a page
 };
 
 } // namespace isoslider::extract

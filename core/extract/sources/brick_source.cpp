@@ -26,7 +26,8 @@ namespace isoslider::extract {
 template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sample>& samples,
                                  std::uint64_t cacheBytes, const MergeBound& listBound)
-    : WalkedSource<Sample>(list, cacheBytes),
+    : WalkedSource<Sample>(list, cacheBytes,
+                           [this](const auto& records, auto& totals) { activity_.sumUp(records, totals); }),
       samples_(samples),
       inverseSpacing_(inverseSpacingOf(list.info().geometry)),
       isListOfEdges_(list.info().kind == index::IndexKind::Edges),

@@ -34,8 +34,8 @@ protected:
     using Part = typename BlockWalk<Key>::Part;
 
     /// `reader` must outlive the source.
-    WalkedSource(const index::IndexReader& reader, std::uint64_t cacheBytes)
-        : reader_(reader), walk_(reader, cacheBytes) {}
+    WalkedSource(const index::IndexReader& reader, std::uint64_t cacheBytes, typename BlockWalk<Key>::SumUp sumUp)
+        : reader_(reader), walk_(reader, cacheBytes, std::move(sumUp)) {}
 
     const index::IndexReader& reader_;
     BlockWalk<Key> walk_;

@@ -26,6 +26,8 @@ TEST(ChangePage, HasTheEdgesOfAPageByWhereTheirOtherEndsLie) {
         page.assign(decoded);
         ASSERT_EQ(page.recordCount(), points);
         EXPECT_EQ(page.entries, edges);
+        EXPECT_EQ(page.entriesOf(0, points), edges);
+        EXPECT_EQ(page.entriesOf(points / 3, points), edges - page.entriesOf(0, points / 3));
         EXPECT_EQ(page.keys, decoded.keys);
         std::size_t entry = 0;
         for (std::size_t i = 0; i < points; ++i) {

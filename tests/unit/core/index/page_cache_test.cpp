@@ -94,6 +94,36 @@ TEST_F(PageCacheTest, HandsOutButDoesNotKeepAPageLargerThanTheBound) {
     }
 }
 
+// In either form, each kept for itself; without a way to add up, records are given.
+TEST_F(PageCacheTest, GivesTotalsOfPagesThatAreTakenWhole) {
+    using Form = Cache::Form;
+    int sums = 0;
+    Cache cache(*reader_, std::uint64_t{1} << 30, [&](const KeptPage& records, std::vector<KeptPage::Total>& totals) {
+        ++sums;
+        totals.push_back({BrickIndex(7), static_cast<std::int32_t>(records.recordCount())});
+    });
+    for (int round = 0; round < 2; ++round) {
+        const auto whole = cache.get(kLevel0, 3, Form::Totals).value(), part = cache.get(kLevel0, 3).value();
+        EXPECT_EQ(whole.bytesRead == 0, round > 0);
+        EXPECT_EQ(part.bytesRead == 0, round > 0);
+        ASSERT_TRUE(whole.page->hasTotals);
+        ASSERT_FALSE(part.page->hasTotals);
+        EXPECT_EQ(whole.page->recordCount(), 0u);
+        ASSERT_EQ(whole.page->totals.size(), 1u);
+        EXPECT_EQ(whole.page->totals[0].count, 4096);
+        EXPECT_EQ(whole.page->entries, part.page->entries);
+        EXPECT_EQ(whole.page->entries, reader_->meta().levels[0].pages[3].edges);
+        std::size_t keys = 1;
+        for (std::size_t i = 1; i < part.page->recordCount(); ++i)
+            keys += part.page->keys[i] != part.page->keys[i - 1];
+        EXPECT_EQ(whole.page->distinctKeys, keys);
+        EXPECT_EQ(part.page->recordCount(), 4096u);
+    }
+    EXPECT_EQ(sums, 1);
+    Cache plain(*reader_, std::uint64_t{1} << 30);
+    EXPECT_FALSE(plain.get(kLevel0, 3, Form::Totals).value().page->hasTotals);
+}
+
 TEST_F(PageCacheTest, KeepsWithinItsBoundBesideManyThreads) {
     Cache cache(*reader_, 5 * largest_);
     std::vector<std::jthread> threads;
