@@ -42,10 +42,8 @@ namespace {
 struct SignFacts {
     std::array<std::uint16_t, 256> activeEdges{};
     std::array<std::uint8_t, 256> ambiguousFaces{};
-    std::array<std::int8_t, 256> hiddenCorner{};
 
     SignFacts() {
-        hiddenCorner.fill(-1);
         for (unsigned signs = 0; signs < 256; ++signs) {
             for (unsigned e = 0; e < 12; ++e)
                 activeEdges[signs] |= static_cast<std::uint16_t>(
@@ -57,10 +55,6 @@ struct SignFacts {
                     ambiguousFaces[signs] |= static_cast<std::uint8_t>(1u << f);
             }
         }
-        for (int centre = 0; centre < 8; ++centre) {
-            const unsigned round = 1u << (centre ^ 1) | 1u << (centre ^ 2) | 1u << (centre ^ 4);
-            hiddenCorner[round] = hiddenCorner[~round & 0xffu] = static_cast<std::int8_t>(7 - centre);
-        }
     }
 };
 
@@ -71,7 +65,5 @@ const SignFacts kFacts;
 std::uint16_t activeEdges(std::uint8_t signs) { return kFacts.activeEdges[signs]; }
 
 std::uint8_t ambiguousFaces(std::uint8_t signs) { return kFacts.ambiguousFaces[signs]; }
-
-int hiddenCorner(std::uint8_t signs) { return kFacts.hiddenCorner[signs]; }
 
 } // namespace isoslider::cell

@@ -33,8 +33,4 @@ std::uint16_t activeEdges(std::uint8_t signs);
 /// Bit f: the face is ambiguous, two above corners opposite each other.
 std::uint8_t ambiguousFaces(std::uint8_t signs);
 
-/// The one corner that lies on no active edge though the cell's interior depends on it (MC33 case 7:
-/// three corners on one side around a fourth; the corner opposite that one); -1 for other signs.
-int hiddenCorner(std::uint8_t signs);
-
 } // namespace isoslider::cell

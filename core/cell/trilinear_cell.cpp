@@ -265,7 +265,7 @@ TunnelDecision decideTunnel(const CornerScalars& scalars, double isovalue) {
     return test.isCertain ? test.decision : decideExactly(scalars, isovalue);
 }
 
-ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden, double isovalue) {
+ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, double isovalue) {
     StateInterval interval{-kInfinity, kInfinity};
     unsigned joined = 0;
     for (unsigned faces = ambiguousFaces(signs); faces != 0; faces &= faces - 1) {
@@ -279,8 +279,7 @@ ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool 
     }
     const auto joinedFaces = static_cast<std::uint8_t>(joined);
     TunnelDecision inside;
-    if (const unsigned allowed = mayHaveTunnel(signs, joinedFaces);
-        allowed != 0 && (knowsHidden || hiddenCorner(signs) < 0))
+    if (const unsigned allowed = mayHaveTunnel(signs, joinedFaces); allowed != 0)
         inside = resolveInside(scalars, allowed, isovalue, interval);
     return {stateOf(signs, joinedFaces, inside.tunnel, inside.diagonal), interval};
 }
@@ -378,65 +377,6 @@ std::array<double, 3> gradientInCell(const CornerScalars& v, double x, double y,
     return {mix(mix(v[1] - v[0], v[3] - v[2], y), mix(v[5] - v[4], v[7] - v[6], y), z),
             mix(mix(v[2] - v[0], v[3] - v[1], x), mix(v[6] - v[4], v[7] - v[5], x), z),
             mix(mix(v[4] - v[0], v[5] - v[1], x), mix(v[6] - v[2], v[7] - v[3], x), y)};
-}
-
-namespace {
-
-// Three above corners round `centre`: is there an isovalue at which all three faces are joined and the
-// below corners have a tunnel between centre and the hidden corner? Such a tunnel is there at all isovalues
-// between the greatest below corner or the greater body saddle, and the first above corner or face saddle:
-// so one isovalue in between reports. True also where rounding leaves nothing in between.
-bool hasHiddenTunnel(const CornerScalars& v, int centre) {
-    const auto at = [&](int corner) { return v[static_cast<std::size_t>(corner)]; };
-    double top = kInfinity, bottom = -kInfinity;
-    for (int i = 0; i < 8; ++i) {
-        const int apart = i ^ centre;
-        if (apart == 1 || apart == 2 || apart == 4)
-            top = std::min(top, at(i));
-        else
-            bottom = std::max(bottom, at(i));
-    }
-    if (!(bottom < top))
-        return false;
-    const double isovalue = top; // one at which the signs are these
-    double certainTop = top; // the error of the saddles taken off
-    for (int axis = 0; axis < 3; ++axis) {
-        const int u = 1 << ((axis + 1) % 3), w = 1 << ((axis + 2) % 3);
-        const FaceSaddle saddle =
-            saddleOfFace(at(centre ^ u), at(centre), at(centre ^ w), at(centre ^ u ^ w), isovalue);
-        if (!std::isfinite(saddle.value + saddle.margin))
-            return true;
-        top = std::min(top, saddle.value + saddle.margin);
-        certainTop = std::min(certainTop, saddle.value - saddle.margin);
-    }
-    if (top < bottom)
-        return false;
-    const BodySaddles saddles = bodySaddles(boundedCell(v, bottom).discriminant());
-    if (saddles.count == 0)
-        return false;
-    if (saddles.count < 0)
-        return true;
-    const Bounded& greatest = saddles.distances[static_cast<std::size_t>(saddles.count - 1)];
-    const double saddle = bottom + greatest.value,
-                 margin = greatest.error + 1e-15 * (std::abs(bottom) + std::abs(greatest.value));
-    if (saddle - margin > top)
-        return false;
-    const double begin = std::max(bottom, saddle + margin), slack = 1e-14 * (std::abs(top) + std::abs(bottom));
-    if (!(begin + slack < certainTop - slack))
-        return true;
-    return decideTunnel(v, 0.5 * begin + 0.5 * certainTop).tunnel == Tunnel::Below;
-}
-
-} // namespace
-
-unsigned hiddenCornersNeeded(const CornerScalars& scalars) {
-    unsigned corners = 0;
-    CornerScalars negated;
-    std::transform(scalars.begin(), scalars.end(), negated.begin(), [](double v) { return -v; });
-    for (int centre = 0; centre < 8; ++centre)
-        if (hasHiddenTunnel(scalars, centre) || hasHiddenTunnel(negated, centre))
-            corners |= 1u << (7 - centre);
-    return corners;
 }
 
 } // namespace isoslider::cell

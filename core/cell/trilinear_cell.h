@@ -68,9 +68,8 @@ struct ResolvedCell {
     std::uint16_t state = 0;
     StateInterval interval{};
 };
-/// Bit i of `signs`: corner i is above (scalar >= isovalue). The scalar of hiddenCorner(signs) matters only for
-/// tunnels: without it (`knowsHidden` false) there is none. 2 divisions and some products for an ambiguous face.
-ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden, double isovalue);
+/// Bit i of `signs`: corner i is above (scalar >= isovalue). 2 divisions and some products for an ambiguous face.
+ResolvedCell resolveCell(std::uint8_t signs, const CornerScalars& scalars, double isovalue);
 
 /// The greatest isovalue at which the above corners `a` and `c` of a face are joined, `b` and `d` below between them:
 /// the double at or below the saddle. Exact. REQUIRES: the lesser of a and c is greater than the greater of b and d;
@@ -93,10 +92,5 @@ TunnelWaist tunnelWaist(const CornerScalars& scalars, double isovalue, double le
 
 /// Gradient of the interpolant at a place in the cell, per cell.
 std::array<double, 3> gradientInCell(const CornerScalars& scalars, double x, double y, double z);
-
-/// Bit i: at some isovalue the cell has a tunnel and corner i is its hidden corner: sliding cannot learn
-/// that scalar from active edges. Errs on the side of more bits only; 0 for 94 % of random cells, for
-/// nearly all cells of smooth data.
-unsigned hiddenCornersNeeded(const CornerScalars& scalars);
 
 } // namespace isoslider::cell

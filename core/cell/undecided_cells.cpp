@@ -281,7 +281,7 @@ void resolveCellsHere(const UndecidedCells& cells, double isovalue, ResolvedCell
             const auto signs = static_cast<std::uint8_t>(cells.signs[first + i]);
             const FacesState& state = faces.of(signs, static_cast<std::uint8_t>(joined[i]));
             resolved[first + i] = {state.state, {below[i], above[i]}};
-            if (state.tunnels != 0 && (cells.knowsHidden[first + i] || hiddenCorner(signs) < 0))
+            if (state.tunnels != 0)
                 asked |= std::uint64_t{1} << i;
         }
         if ((asked & plain) != 0) {
@@ -296,8 +296,7 @@ void resolveCellsHere(const UndecidedCells& cells, double isovalue, ResolvedCell
         for (std::uint64_t rest = ~plain & ((std::uint64_t{1} << count) - 1); rest != 0; rest &= rest - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(rest));
             const auto signs = static_cast<std::uint8_t>(cells.signs[first + i]);
-            resolved[first + i] = (finite >> i & 1) != 0 ? resolveCell(signs, cells.scalarsOf(first + i),
-                                                                       cells.knowsHidden[first + i], isovalue)
+            resolved[first + i] = (finite >> i & 1) != 0 ? resolveCell(signs, cells.scalarsOf(first + i), isovalue)
                                                          : ResolvedCell{signs, {}};
         }
     }

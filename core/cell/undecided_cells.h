@@ -15,7 +15,6 @@ struct UndecidedCells {
     std::size_t count = 0;
     alignas(64) std::array<std::array<double, kMost>, 8> scalars;
     alignas(64) std::array<std::uint64_t, kMost> signs; ///< as for resolveCell()
-    std::array<bool, kMost> knowsHidden;
 
     CornerScalars scalarsOf(std::size_t cell) const {
         CornerScalars its;
@@ -27,7 +26,7 @@ struct UndecidedCells {
 
 /// resolveCell() of each: the same states, and intervals to the bit, under every instruction set. Some 20 ns a cell
 /// with eight lanes; what plain arithmetic does not settle goes to resolveCell(). A cell one of whose scalars is not
-/// finite gets its signs as state, and an empty interval. A hidden corner that is not known has any finite scalar.
+/// finite gets its signs as state, and an empty interval.
 void resolveCells(const UndecidedCells& cells, double isovalue, ResolvedCell* resolved);
 
 } // namespace isoslider::cell

@@ -222,7 +222,7 @@ private:
                     continue;
                 const auto signs = static_cast<std::uint8_t>(flags);
                 visit(x, y,
-                      cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalarsOf(x, y, z), true, isovalue_).state
+                      cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalarsOf(x, y, z), isovalue_).state
                                                : cell::StateId{signs});
             }
     }

@@ -36,8 +36,8 @@ struct SlideStats {
     std::uint64_t activeEdges = 0;
     std::uint64_t triangles = 0;
     LeafCounts activeLeaves{}; ///< active cells by their level: above 0 merged ones
-    std::uint64_t bricksRead = 0; ///< bricks of samples looked into; 0 with edge blocks
-    std::uint64_t chunksRead = 0; ///< chunks of samples decoded; 0 with edge blocks and in memory
+    std::uint64_t bricksRead = 0; ///< bricks of samples looked into
+    std::uint64_t chunksRead = 0; ///< chunks of samples decoded; 0 in memory
     std::uint64_t bytesRead = 0; ///< bytes read from the index file: what was in no cache
     std::uint64_t bytesAhead = 0; ///< read in the background since the last move, in the hope of this one
     double updateMs = 0.0;
@@ -66,14 +66,13 @@ struct SurfaceFrame {
     std::shared_ptr<const SurfacePieces> pieces;
     bool marksChanges = true; ///< wanted by whoever looks: `changedIndices`, or those of the bricks
     MergeBound mergeBound; ///< wanted by whoever looks; afterwards the one that the surface has
-    bool canMerge = false; ///< whether it could have one
     /// Wanted by whoever looks; afterwards where the surface was made: what lies outside is missing, in `stats` too.
     /// None: nothing is missing.
     std::optional<BrickBox> region;
-    bool canBound = false; ///< whether it could be made in one
     SlideStats stats;
     bool isFromIndex = false; ///< false: from the volume in memory, before the index was there
-    bool isWholeExtraction = false; ///< not slid to: every triangle is new
+    /// Not slid to: every triangle is new, no cell merged, nothing missing, whatever was wanted.
+    bool isWholeExtraction = false;
     /// Above 1: a coarser surface to look at, its vertices merged in blocks of so many cells along each axis. `stats`
     /// are of the whole one.
     std::int64_t mergedCells = 1;

@@ -221,7 +221,7 @@ std::vector<float> summits(const ScalarGrid& grid, double isovalue) {
                     link(at[edge.lowerCorner], at[edge.upperCorner]);
                 if (!cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
                     continue;
-                const auto id = cell::resolveCell(static_cast<std::uint8_t>(signs), scalars, true, isovalue).state;
+                const auto id = cell::resolveCell(static_cast<std::uint8_t>(signs), scalars, isovalue).state;
                 const cell::CellState& state = cell::cellStates()[id];
                 for (std::size_t face = 0; face < 6; ++face)
                     if ((state.joinedFaces >> face & 1) != 0) {

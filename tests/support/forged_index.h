@@ -7,11 +7,9 @@
 
 namespace isoslider::test {
 
-/// An index file with its meta replaced and all checksums made right: what only a forger would write. `major`: another
-/// format version, if not 0.
-inline std::string forgedIndex(const std::string& file, const index::IndexMeta& meta, std::uint16_t major = 0) {
+/// An index file with its meta replaced and all checksums made right: what only a forger would write.
+inline std::string forgedIndex(const std::string& file, const index::IndexMeta& meta) {
     index::Preamble preamble = index::decodePreamble(std::as_bytes(std::span(file)), file.size(), "forged").value();
-    preamble.major = major != 0 ? major : preamble.major;
     const auto encoded = index::encodeMeta(meta);
     preamble.metaBytes = encoded.size();
     preamble.metaChecksum = index::metaChecksum(encoded);

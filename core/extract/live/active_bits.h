@@ -60,15 +60,6 @@ ISO_ALWAYS_INLINE void cellsAtPoints(const Bits& points, BitString& cells) {
         cells.words[static_cast<std::size_t>(i)] = xy.words[static_cast<std::size_t>(i)] | shiftedDown<81>(xy, i);
 }
 
-/// Points at which one of the given edges ends.
-ISO_ALWAYS_INLINE void endsOfEdges(const std::array<BitString, 3>& edges, BitString& ends) {
-    for (int i = 0; i < kBitWords; ++i) {
-        const auto w = static_cast<std::size_t>(i);
-        ends.words[w] = edges[0].words[w] | shiftedUp<1>(edges[0], i) | edges[1].words[w] | shiftedUp<9>(edges[1], i) |
-                        edges[2].words[w] | shiftedUp<81>(edges[2], i);
-    }
-}
-
 /// Edges of the given cells.
 inline void edgesOfCells(const BitString& cells, std::array<BitString, 3>& edges) {
     BitString acrossX, acrossY; // the cells and their neighbours' places a step up

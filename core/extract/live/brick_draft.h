@@ -36,17 +36,9 @@ static_assert(sizeof(AmbiguousCell) == 24);
 class CornerScalarsOfBrick {
 public:
     virtual ~CornerScalarsOfBrick() = default;
-    /// Fills `scalars`; returns whether that of the hidden corner (cell::hiddenCorner) is among them.
-    virtual bool cornerScalars(ClosedPoint cell, std::uint8_t signs, cell::CornerScalars& scalars) = 0;
-    /// The same of the first cells of `undecided`, whose signs are there.
-    virtual void fill(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) {
-        cell::CornerScalars scalars{};
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            undecided.knowsHidden[i] = cornerScalars(cells[i], static_cast<std::uint8_t>(undecided.signs[i]), scalars);
-            for (std::size_t c = 0; c < 8; ++c)
-                undecided.scalars[c][i] = scalars[c];
-        }
-    }
+    virtual cell::CornerScalars scalarsOf(ClosedPoint cell) const = 0;
+    /// The same of the first cells of `undecided`.
+    virtual void fill(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) const = 0;
 };
 
 /// Ambiguous cells of a brick that have not kept their states.

@@ -253,7 +253,7 @@ void LiveSurface<Live>::compact() {
 // additions fill the holes. DEVIATION: the same arrays once for each brick, replaced whole (LIVE.md): no holes are
 // left, no cell looks for its neighbours' vertices, and all bricks of a move may be replaced at once.
 template <class Live>
-void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
                                 double isovalue) {
     Brick& brick = bricks_[slot.index()];
     const std::uint64_t before = brick.cellCount > 0 ? ~std::uint64_t{0} : 0; // else what stands there is none of its
@@ -408,7 +408,7 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
 
 // Indices of the active cells' triangles, in cell order; states of ambiguous cells first.
 template <class Live>
-void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+void LiveSurface<Live>::triangulate(BrickSlot slot, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
                                     double isovalue) {
     const Brick& brick = bricks_[slot.index()];
     if (draft.active.cells.isEmpty()) { // all are merged

@@ -75,11 +75,12 @@ public:
     void beginMove();
     /// Triangulates the draft and puts it in the place of what the brick was. `corners` is asked about ambiguous
     /// cells whose state is not known any more. O(active edges and cells of the brick).
-    void replace(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    void replace(BrickSlot slot, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners, double isovalue);
     /// Puts the draft's points into the brick ahead of replace(), which then finds them there.
     void putPoints(BrickSlot slot, BrickDraft<Live>& draft);
     /// Moves the vertices inside the brick's cells to `isovalue`, which crosses nothing in the brick.
-    void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
+    void refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
+                              double isovalue);
     /// Takes over what a thread's draft has counted since beginMove(), and takes back the runs that it has not used.
     /// The threads that have replaced bricks must have called finishStreams() since.
     void finishMove(BrickDraft<Live>& draft);
@@ -121,11 +122,12 @@ public:
     Result<SurfaceMesh> mesh(double isovalue, const JobControl& job) const;
 
 private:
-    void triangulate(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue);
-    void findStates(const Brick& brick, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners, double isovalue) const;
-    void placeInner(const std::array<std::int32_t, 3>& origin, const PointLine* points,
-                    std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+    void triangulate(BrickSlot slot, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners, double isovalue);
+    void findStates(const Brick& brick, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
                     double isovalue) const;
+    void placeInner(const std::array<std::int32_t, 3>& origin, const PointLine* points,
+                    std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft,
+                    const CornerScalarsOfBrick& corners, double isovalue) const;
     void triangulateMerged(BrickSlot slot, BrickDraft<Live>& draft, double isovalue);
     void placeCentres(const std::array<std::int32_t, 3>& origin, const Record* records,
                       std::span<const MergedLeaf> merged, const std::uint16_t* indices, BrickDraft<Live>& draft,

@@ -16,7 +16,7 @@ namespace {
 
 // Decides the first of the undecided cells.
 template <class Live>
-void decide(std::span<const cell::CellState> states, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+void decide(std::span<const cell::CellState> states, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
             double isovalue, std::size_t count) {
     UndecidedOfBrick& undecided = draft.undecided;
     undecided.cells.count = count;
@@ -43,7 +43,7 @@ void decide(std::span<const cell::CellState> states, BrickDraft<Live>& draft, Co
 // States of ambiguous cells: as they were while the isovalue stays in their intervals and their signs are the same,
 // else decided by their corner scalars. The brick's list of before is in cell order too.
 template <class Live>
-void LiveSurface<Live>::findStates(const Brick& brick, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
+void LiveSurface<Live>::findStates(const Brick& brick, BrickDraft<Live>& draft, const CornerScalarsOfBrick& corners,
                                    double isovalue) const {
     CellList& list = draft.cells;
     UndecidedOfBrick& undecided = draft.undecided;
@@ -104,7 +104,7 @@ void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>& origin, 
 template <class Live>
 void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, const PointLine* points,
                                    std::span<const AmbiguousCell> ambiguous, BrickDraft<Live>& draft,
-                                   CornerScalarsOfBrick& corners, double isovalue) const {
+                                   const CornerScalarsOfBrick& corners, double isovalue) const {
     auto& edges = draft.innerEdges;
     edges.codes.clear();
     for (const AmbiguousCell& listed : ambiguous)
@@ -145,7 +145,7 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
             placed.edgeNormals[e] = edges.normals[next];
         }
         if (state.tunnel != cell::Tunnel::None)
-            (void)corners.cornerScalars(listed.cell, state.signs, placed.scalars);
+            placed.scalars = corners.scalarsOf(listed.cell);
         placeInnerVertices(placed, isovalue, inverseSpacing_, inside.data());
         for (std::size_t k = 0; k < state.innerVertices; ++k)
             draft.inner.push_back({inside[k].place, inside[k].normal, 0});
@@ -153,8 +153,8 @@ void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>& origin, co
 }
 
 template <class Live>
-void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft, CornerScalarsOfBrick& corners,
-                                             double isovalue) {
+void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& draft,
+                                             const CornerScalarsOfBrick& corners, double isovalue) {
     Brick& brick = bricks_[slot.index()];
     if (brick.innerVertices == 0)
         return;
@@ -179,14 +179,16 @@ void LiveSurface<Live>::refreshInnerVertices(BrickSlot slot, BrickDraft<Live>& d
 }
 
 #define ISO_INSTANTIATE(Live) \
-    template void LiveSurface<Live>::findStates(const Brick&, BrickDraft<Live>&, CornerScalarsOfBrick&, double) const; \
+    template void LiveSurface<Live>::findStates(const Brick&, BrickDraft<Live>&, const CornerScalarsOfBrick&, double) \
+        const; \
     template void LiveSurface<Live>::placeInner(const std::array<std::int32_t, 3>&, const PointLine*, \
                                                 std::span<const AmbiguousCell>, BrickDraft<Live>&, \
-                                                CornerScalarsOfBrick&, double) const; \
+                                                const CornerScalarsOfBrick&, double) const; \
     template void LiveSurface<Live>::placeCentres(const std::array<std::int32_t, 3>&, const Record*, \
                                                   std::span<const MergedLeaf>, const std::uint16_t*, \
                                                   BrickDraft<Live>&, double) const; \
-    template void LiveSurface<Live>::refreshInnerVertices(BrickSlot, BrickDraft<Live>&, CornerScalarsOfBrick&, double);
+    template void LiveSurface<Live>::refreshInnerVertices(BrickSlot, BrickDraft<Live>&, const CornerScalarsOfBrick&, \
+                                                          double);
 ISO_INSTANTIATE(float)
 ISO_INSTANTIATE(double)
 #undef ISO_INSTANTIATE

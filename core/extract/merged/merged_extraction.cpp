@@ -126,7 +126,7 @@ private:
 
     void extractCell(const Place& origin, std::uint8_t signs, const cell::CornerScalars& scalars, Layer& layer) const {
         const cell::StateId id =
-            cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalars, true, isovalue_).state : cell::StateId{signs};
+            cell::isAmbiguous(signs) ? cell::resolveCell(signs, scalars, isovalue_).state : cell::StateId{signs};
         const cell::CellState& state = cell::cellStates()[id];
         std::array<EdgeId, 12> edges{};
         for (std::size_t e = 0; e < 12; ++e) {

@@ -40,16 +40,16 @@ template <class Sample>
 class BrickSource<Sample>::Corners final : public CornerScalarsOfBrick {
 public:
     explicit Corners(const Points& points) : points_(points) {}
-    bool cornerScalars(ClosedPoint cell, std::uint8_t /*signs*/, cell::CornerScalars& scalars) override {
+    cell::CornerScalars scalarsOf(ClosedPoint cell) const override {
+        cell::CornerScalars scalars;
         for (unsigned c = 0; c < 8; ++c)
             scalars[c] = scalarAt(cell, c);
-        return true;
+        return scalars;
     }
-    void fill(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) override {
+    void fill(std::span<const ClosedPoint> cells, cell::UndecidedCells& undecided) const override {
         for (std::size_t i = 0; i < cells.size(); ++i)
             for (unsigned c = 0; c < 8; ++c)
                 undecided.scalars[c][i] = scalarAt(cells[i], c);
-        std::fill_n(undecided.knowsHidden.begin(), cells.size(), true);
     }
 
 private:

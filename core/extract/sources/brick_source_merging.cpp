@@ -249,8 +249,7 @@ void BrickSource<Sample>::makeOneLeaf(const Move& move, LiveSurface<Live>& surfa
     draft.changed.words.fill(isSame ? 0 : ~std::uint64_t{0});
     shownLeaves_[job.slot.index()] = leavesOf(job.slot);
 
-    Corners cornerScalars(pointsOf(surface, job, scratch));
-    surface.replace(job.slot, draft, cornerScalars, move.isovalue);
+    surface.replace(job.slot, draft, Corners(pointsOf(surface, job, scratch)), move.isovalue);
     watch_[job.slot.index()] = {keyOf(sampleOf<Sample>(scratch.foundOnEdges.up)),
                                 keyOf(sampleOf<Sample>(scratch.foundOnEdges.down))};
     isMadeOfEdges_[job.slot.index()] = true;

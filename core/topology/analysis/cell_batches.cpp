@@ -187,7 +187,7 @@ HWY_INLINE void addAt(CellBatches::Parts& parts, std::span<const cell::CellState
     }
     const auto pattern = static_cast<std::uint8_t>(signs);
     const cell::StateId id =
-        parts.isAmbiguous[pattern] ? cell::resolveCell(pattern, cell.scalars, true, isovalue).state : pattern;
+        parts.isAmbiguous[pattern] ? cell::resolveCell(pattern, cell.scalars, isovalue).state : pattern;
     const auto into = static_cast<std::uint32_t>(2 * k + (cell.isUsual ? 1 : 0));
     if (HWY_UNLIKELY(isFar || states[id].tunnel != cell::Tunnel::None)) {
         const CellSum sum = parts.single.at(cell.scalars, states[id], isovalue);

@@ -134,7 +134,7 @@ public:
     /// Moves to the best of them once the topology is known, if the first isovalue may give way to it.
     void improveFirstIsovalue();
     HistogramOptionsModel& histogramOptions() { return histogramOptions_; }
-    /// How far the surface may differ; it follows where it can, see SurfaceFrame::canMerge.
+    /// How far the surface may differ; one that was extracted whole does not follow.
     DetailModel& detail() { return detail_; }
     /// Analysed once the index is there.
     TopologyModel& topology() { return topology_; }

@@ -144,8 +144,8 @@ std::optional<BrickBox> Session::wantedRegion() const {
 
 // A move that had begun before something else was wanted goes to its end; the one that was asked for then follows.
 bool Session::isAsWanted(const extract::SurfaceFrame& frame) const {
-    return (!frame.canMerge || frame.mergeBound == wantedBound()) &&
-           (!frame.canBound || frame.findsPieces || frame.region == wantedRegion());
+    return frame.isWholeExtraction ||
+           (frame.mergeBound == wantedBound() && (frame.findsPieces || frame.region == wantedRegion()));
 }
 
 extract::MergeBound Session::wantedBound() const {

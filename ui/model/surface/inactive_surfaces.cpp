@@ -24,11 +24,10 @@ InactiveSurfaces::Frame separateFrame(const extract::SurfaceFrame& frame) {
     separate->findsPieces = frame.findsPieces;
     separate->pieces = frame.pieces;
     separate->mergeBound = frame.mergeBound;
-    separate->canMerge = frame.canMerge;
     separate->region = frame.region;
-    separate->canBound = frame.canBound;
     separate->stats = frame.stats;
     separate->isFromIndex = frame.isFromIndex;
+    separate->isWholeExtraction = frame.isWholeExtraction;
     separate->mergedCells = frame.mergedCells;
     return separate;
 }
@@ -58,7 +57,7 @@ Result<InactiveSurfaces::Frame> makeFrame(const InactiveSurfaces::Making& how, d
 } // namespace
 
 bool InactiveSurfaces::Making::isAsGood(const extract::SurfaceFrame& frame) const {
-    return frame.geometry == geometry && !frame.region && (!frame.canMerge || frame.mergeBound == bound) &&
+    return frame.geometry == geometry && !frame.region && (frame.isWholeExtraction || frame.mergeBound == bound) &&
            extract::pictureBytes(frame) <= pictureLimit;
 }
 

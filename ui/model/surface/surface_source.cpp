@@ -29,7 +29,6 @@ public:
         frame.geometry = grid_->geometry();
         frame.isovalue = isovalue;
         frame.mergeBound = {};
-        frame.canMerge = frame.canBound = false;
         frame.region.reset();
         frame.isFromIndex = false;
         frame.isWholeExtraction = true;
@@ -56,7 +55,6 @@ public:
     explicit EngineSource(std::unique_ptr<extract::SlideEngine> engine) : engine_(std::move(engine)) {}
 
     Status moveTo(double isovalue, const JobControl& job, extract::SurfaceFrame& frame) override {
-        frame.canMerge = frame.canBound = true;
         engine_->setMergeBound(frame.mergeBound);
         engine_->setRegion(frame.findsPieces ? std::nullopt : frame.region);
         isWhole_ = false;

@@ -64,7 +64,7 @@ void DetailControl::showError() {
 
 void DetailControl::showWhetherPossible() {
     const auto frame = session_.frame();
-    setEnabled(frame != nullptr && frame->canMerge);
+    setEnabled(frame != nullptr && !frame->isWholeExtraction);
     setToolTip(tr("How far the surface may differ for the sake of fewer triangles: cells are merged where the samples "
                   "allow it. Pieces and tunnels stay as they are."));
 }

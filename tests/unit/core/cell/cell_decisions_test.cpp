@@ -42,10 +42,6 @@ void expectDecisions(const CellScalars& scalars, double isovalue) {
     if (mayHaveTunnel(expected.signs, expected.joinedFaces) != 0) {
         ASSERT_EQ(decideTunnel(scalars, isovalue).tunnel, label.tunnel);
     }
-    const ResolvedCell blind = resolveCell(expected.signs, scalars, false, isovalue);
-    const StateLabel blindLabel{label.signs, label.joinedFaces,
-                                hiddenCorner(expected.signs) < 0 ? label.tunnel : Tunnel::None};
-    ASSERT_EQ(toString(labelOf(cellStates()[blind.state])), toString(blindLabel));
     ASSERT_TRUE(cell.interval.contains(isovalue) || !(cell.interval.below <= cell.interval.above));
 }
 
@@ -203,66 +199,6 @@ TEST(StateIntervals, CoverMostOfTheStatesTrueInterval) {
     RecordProperty("coveredPercent", static_cast<int>(100.0 * covered / cells));
     EXPECT_GT(cells, 1000);
     EXPECT_GT(covered / cells, 0.5);
-}
-
-TEST(HiddenCorners, AreNamedWhereverATunnelNeedsThem) {
-    Random random(23);
-    int needed = 0, named = 0, uniform = 0;
-    for (int i = 0; i < 6000; ++i) {
-        const bool isUniform = i % 2 == 0;
-        const CellScalars scalars = test::randomCell(isUniform ? CellKind::Uniform : CellKind::Saddle, random);
-        const unsigned bits = hiddenCornersNeeded(scalars);
-        const auto [least, greatest] = std::minmax_element(scalars.begin(), scalars.end());
-        unsigned found = 0;
-        for (int step = 0; step < 60; ++step) {
-            const double isovalue = *least + (*greatest - *least) * (step + test::pickUnit(random)) / 60.0;
-            const int corner = hiddenCorner(signsOf(scalars, isovalue));
-            if (corner >= 0 && labelOf(test::sweepCell(scalars, isovalue)).tunnel != Tunnel::None)
-                found |= 1u << corner;
-        }
-        ASSERT_EQ(found & ~bits, 0u) << test::toString(scalars, 0.0);
-        needed += isUniform && found != 0;
-        named += isUniform && bits != 0;
-        uniform += isUniform;
-    }
-    RecordProperty("neededPerMille", 1000 * needed / uniform);
-    RecordProperty("namedPerMille", 1000 * named / uniform);
-    EXPECT_LT(named, uniform * 8 / 100) << "of uniformly random cells; needed by " << needed;
-}
-
-// Scalars of very different size, where the error of one term is larger than another term.
-TEST(HiddenCorners, AreNamedWhereScalarsDifferByDecades) {
-    Random random(31);
-    int tunnels = 0;
-    for (int i = 0; i < 60000; ++i) {
-        const auto centre = static_cast<unsigned>(test::pickInt(random, 0, 7));
-        const double side = test::pickInt(random, 0, 1) != 0 ? 1.0 : -1.0,
-                     spread = std::array{3.0, 10.0, 20.0, 80.0}[i % 4];
-        CellScalars scalars;
-        for (unsigned k = 0; k < 8; ++k)
-            scalars[k] = (std::popcount(k ^ centre) == 1 ? side : -side) * std::exp(spread * test::pickUnit(random));
-        const double isovalue = i % 3 != 0 ? 0.0 : test::randomIsovalue(scalars, random);
-        const int corner = hiddenCorner(signsOf(scalars, isovalue));
-        if (corner < 0 || labelOf(test::sweepCell(scalars, isovalue)).tunnel == Tunnel::None)
-            continue;
-        ++tunnels;
-        ASSERT_NE(hiddenCornersNeeded(scalars) >> corner & 1u, 0u) << test::toString(scalars, isovalue);
-    }
-    EXPECT_GT(tunnels, 500);
-}
-
-// Ties, huge and tiny scalars.
-TEST(HiddenCorners, AreNamedInTiedCells) {
-    Random random(29);
-    for (int i = 0; i < 20000; ++i) {
-        const CellScalars scalars =
-            test::randomCell(static_cast<CellKind>(test::pickInt(random, 0, test::kCellKinds - 2)), random);
-        const double isovalue = test::randomIsovalue(scalars, random);
-        const int corner = hiddenCorner(signsOf(scalars, isovalue));
-        if (corner < 0 || labelOf(test::sweepCell(scalars, isovalue)).tunnel == Tunnel::None)
-            continue;
-        ASSERT_NE(hiddenCornersNeeded(scalars) >> corner & 1u, 0u) << test::toString(scalars, isovalue);
-    }
 }
 
 } // namespace

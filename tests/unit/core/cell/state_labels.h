@@ -35,9 +35,9 @@ inline std::string toString(const StateLabel& label) {
            ", tunnel " + kTunnels[static_cast<int>(label.tunnel)];
 }
 
-/// The product's answer, the hidden corner known.
+/// The answer of the product.
 inline ResolvedCell resolved(const test::CellScalars& scalars, double isovalue) {
-    return resolveCell(signsOf(scalars, isovalue), scalars, true, isovalue);
+    return resolveCell(signsOf(scalars, isovalue), scalars, isovalue);
 }
 inline const CellState& stateAt(const test::CellScalars& scalars, double isovalue) {
     return cellStates()[resolved(scalars, isovalue).state];

@@ -29,17 +29,16 @@ protected:
         resolveCells(*cells_, isovalue, resolved.data());
         return resolved;
     }
-    void add(std::uint8_t signs, const CornerScalars& scalars, bool knowsHidden) {
+    void add(std::uint8_t signs, const CornerScalars& scalars) {
         for (std::size_t corner = 0; corner < 8; ++corner)
             cells_->scalars[corner][cells_->count] = scalars[corner];
-        cells_->signs[cells_->count] = signs;
-        cells_->knowsHidden[cells_->count++] = knowsHidden;
+        cells_->signs[cells_->count++] = signs;
     }
     void expectAsOneByOne(double isovalue) {
         const std::vector<ResolvedCell> resolved = resolve(isovalue);
         for (std::size_t i = 0; i < cells_->count; ++i) {
-            const ResolvedCell alone = resolveCell(static_cast<std::uint8_t>(cells_->signs[i]), cells_->scalarsOf(i),
-                                                   cells_->knowsHidden[i], isovalue);
+            const ResolvedCell alone =
+                resolveCell(static_cast<std::uint8_t>(cells_->signs[i]), cells_->scalarsOf(i), isovalue);
             ASSERT_EQ(resolved[i].state, alone.state) << "cell " << i << " at " << isovalue;
             ASSERT_EQ(resolved[i].interval.below, alone.interval.below);
             ASSERT_EQ(resolved[i].interval.above, alone.interval.above);
@@ -72,7 +71,7 @@ TEST_P(UndecidedCellsTest, AreAsOneByOne) {
                 CornerScalars mirrored;
                 for (std::size_t corner = 0; corner < 8; ++corner)
                     mirrored[corner] = scalars[corner ^ (k % 8)];
-                add(signsOf(mirrored, isovalue), mirrored, k % 5 != 1);
+                add(signsOf(mirrored, isovalue), mirrored);
             }
             most = most % UndecidedCells::kMost + 1;
             ASSERT_NO_FATAL_FAILURE(expectAsOneByOne(isovalue)) << test::toString(scalars, isovalue);
@@ -89,9 +88,9 @@ TEST_P(UndecidedCellsTest, WithoutASoundScalarKeepTheirSigns) {
             CornerScalars scalars;
             for (std::size_t i = 0; i < 8; ++i)
                 scalars[i] = (kSigns >> i & 1) != 0 ? 2.0 : -1.0;
-            add(kSigns, scalars, true);
+            add(kSigns, scalars);
             scalars[corner] = lost;
-            add(kSigns, scalars, true);
+            add(kSigns, scalars);
             const std::vector<ResolvedCell> resolved = resolve(0.0);
             EXPECT_TRUE(resolved[0].interval.contains(0.0));
             EXPECT_EQ(resolved[1].state, kSigns);

@@ -163,8 +163,7 @@ std::vector<std::array<EdgeId, 3>> slowTriangles(const ScalarGrid& grid, double 
                 if (!isWhole)
                     continue;
                 const std::uint8_t signs = cell::signsOf(scalars, isovalue);
-                const cell::CellState& state =
-                    cell::cellStates()[cell::resolveCell(signs, scalars, true, isovalue).state];
+                const cell::CellState& state = cell::cellStates()[cell::resolveCell(signs, scalars, isovalue).state];
                 const auto nameOf = [&](std::uint8_t vertex) {
                     if (vertex >= cell::kInnerVertex)
                         return nextInner + vertex - cell::kInnerVertex;

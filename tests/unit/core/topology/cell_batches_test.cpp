@@ -89,7 +89,7 @@ Expected oneAtATime(const MeasurePlan& plan, const GridGeometry& geometry, const
                 signs |= (cell.scalars[c] >= plan.isovalues[k] ? 1u : 0u) << c;
             const auto pattern = static_cast<std::uint8_t>(signs);
             const cell::StateId id = cell::isAmbiguous(pattern)
-                                         ? cell::resolveCell(pattern, cell.scalars, true, plan.isovalues[k]).state
+                                         ? cell::resolveCell(pattern, cell.scalars, plan.isovalues[k]).state
                                          : pattern;
             const cell::CellState& state = cell::cellStates()[id];
             expected.tunnels += state.tunnel != cell::Tunnel::None ? 1 : 0;
