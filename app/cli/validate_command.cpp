@@ -115,7 +115,7 @@ private:
         json["full"] = isFull_;
         if (!volumePath_.empty()) {
             json["against"] = volumePath_;
-            json["compared"] = report.areEdgesCompared ? "samples" : "facts";
+            json["compared"] = report.areSamplesCompared ? "samples" : "facts";
         }
         json["pages"] = report.pages;
         json["chunks"] = report.chunks;
@@ -147,8 +147,8 @@ private:
                                                : ", counts of topology without events";
         if (!isFull_)
             text += "; checksums only (--full: everything)";
-        if (!volumePath_.empty() && !report.areEdgesCompared)
-            text += "; of merged cells only range, histogram and missing samples are compared with a volume";
+        if (report.areSamplesCompared && report.info.mergeError > 0.0)
+            text += "; which edges merged cells have is not compared with the volume";
         return text + "\n";
     }
 

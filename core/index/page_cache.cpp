@@ -57,6 +57,11 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
     Status status = reader_.readPage(entry, bytes);
     if (status.isOk())
         status = decodeStated(reader_, bytes, entry.points, entry.edges, decoded);
+    // A walk that takes a page of level 0 whole relies on it.
+    if (status.isOk() && level == kLevel0 && !std::all_of(decoded.keys.begin(), decoded.keys.end(), [&](Key key) {
+            return key >= entry.firstKey && key <= entry.lastKey;
+        }))
+        status = makeError(ErrorCode::Corruption, "index page has records outside its range", reader_.pathString());
     if (!status.isOk())
         return inPage(reader_, level, pageIndex, std::move(status).error());
     std::shared_ptr<ChangePage<Key>> page = pageOf(decoded, form);
@@ -78,8 +83,9 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(std::uint64_t n
 
 template <class Key>
 std::shared_ptr<ChangePage<Key>> PageCache<Key>::pageOf(const DecodedPage<Key>& decoded, Form form) {
-    std::shared_ptr<ChangePage<Key>> page = takeSpare();
-    if (form == Form::Records || !sumUp_) {
+    const bool hasTotals = form == Form::Totals && sumUp_;
+    std::shared_ptr<ChangePage<Key>> page = takeSpare(hasTotals);
+    if (!hasTotals) {
         page->assign(decoded);
         return page;
     }
@@ -93,13 +99,16 @@ std::shared_ptr<ChangePage<Key>> PageCache<Key>::pageOf(const DecodedPage<Key>& 
     return page;
 }
 
+// One of the same form: a page of totals that had the memory of records would count as one of these.
 template <class Key>
-std::shared_ptr<ChangePage<Key>> PageCache<Key>::takeSpare() {
+std::shared_ptr<ChangePage<Key>> PageCache<Key>::takeSpare(bool hasTotals) {
     const std::lock_guard lock(mutex_);
-    if (spares_.empty())
+    const auto found = std::find_if(spares_.begin(), spares_.end(),
+                                    [hasTotals](const auto& page) { return page->hasTotals == hasTotals; });
+    if (found == spares_.end())
         return std::make_shared<ChangePage<Key>>();
-    std::shared_ptr<ChangePage<Key>> page = std::move(spares_.back());
-    spares_.pop_back();
+    std::shared_ptr<ChangePage<Key>> page = std::move(*found);
+    spares_.erase(found);
     return page;
 }
 
@@ -112,8 +121,11 @@ void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> p
     while (bytes_ + size > maxBytes_) {
         bytes_ -= entries_.back().page->memoryBytes();
         byId_.erase(entries_.back().id);
-        if (entries_.back().page.use_count() == 1 && spares_.size() < kMaxSpares)
+        if (entries_.back().page.use_count() == 1) {
+            if (spares_.size() == kMaxSpares)
+                spares_.erase(spares_.begin());
             spares_.push_back(std::move(entries_.back().page));
+        }
         entries_.pop_back();
     }
     entries_.push_front({id, std::move(page)});

@@ -55,7 +55,7 @@ private:
     };
 
     std::shared_ptr<ChangePage<Key>> find(std::uint64_t id);
-    std::shared_ptr<ChangePage<Key>> takeSpare();
+    std::shared_ptr<ChangePage<Key>> takeSpare(bool hasTotals);
     std::shared_ptr<ChangePage<Key>> pageOf(const DecodedPage<Key>& decoded, Form form);
     void insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> page);
 

@@ -136,6 +136,16 @@ TEST_F(DetailControlTest, TakesTheErrorThatAnIndexWasBuiltWith) {
     EXPECT_EQ(value().toStdString(), "0.5 cells");
     EXPECT_EQ(session_->frame()->mergeBound, (extract::MergeBound{extract::MergeBound::Measure::Distance, 0.5}));
     const std::uint64_t merged = triangles();
+    // It is the index's: another volume is seen as before.
+    const auto isShownWhole = [this] {
+        return session_->frame() != nullptr && session_->isSettled() && session_->frame()->mergeBound.limit == 0.0;
+    };
+    window_->openFile(qpath(folder_ / "ball.mha"));
+    ASSERT_TRUE(waitUntil(isShownWhole));
+    EXPECT_EQ(value().toStdString(), "none");
+    window_->openFile(qpath(folder_ / "merged.isx"));
+    ASSERT_TRUE(waitUntil([&] { return !isShownWhole() && session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_EQ(value().toStdString(), "0.5 cells");
     press(Qt::Key_Home);
     EXPECT_GT(triangles(), merged);
 }

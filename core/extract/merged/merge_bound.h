@@ -15,7 +15,10 @@ struct MergeBound {
     Measure measure = Measure::Scalar;
     double limit = 0.0; ///< 0: nothing is merged
 
-    friend bool operator==(const MergeBound&, const MergeBound&) = default;
+    /// Where nothing is merged the measure does not matter.
+    friend bool operator==(const MergeBound& a, const MergeBound& b) {
+        return a.limit == b.limit && (a.measure == b.measure || a.limit == 0.0);
+    }
 };
 
 /// A bound as users state it: scalars in percent of the value range, as in the paper.

@@ -15,11 +15,7 @@ int difference(unsigned rising, unsigned falling) { return std::popcount(rising)
 } // namespace
 
 template <class Key>
-BrickActivity<Key>::BrickActivity(const BrickGrid& grid, ListOf list)
-    : bricks_(grid.brickCount()),
-      counts_(bricks_),
-      deltas_([this] { return Deltas(bricks_); }),
-      sums_([this] { return Deltas(bricks_); }) {
+BrickActivity<Key>::BrickActivity(const BrickGrid& grid, ListOf list) : counts_(grid.brickCount()) {
     if (list == ListOf::Edges)
         holders_.emplace(grid);
 }
@@ -33,43 +29,44 @@ void BrickActivity<Key>::clear() {
 }
 
 template <class Key>
-void BrickActivity<Key>::Deltas::begin() {
-    touched_.clear();
-    if (++number_ == 0) { // they begin again
-        byBrick_.release(0);
-        number_ = 1;
-    }
+void BrickActivity<Key>::beginWalk(bool goesUp) {
+    endWalk();
+    goesUp_ = goesUp;
 }
 
 template <class Key>
-void BrickActivity<Key>::beginWalk(bool goesUp) {
-    goesUp_ = goesUp;
-    for (Deltas& deltas : deltas_)
-        deltas.begin();
+void BrickActivity<Key>::endWalk() {
+    for (auto& deltas : walk_)
+        if (deltas)
+            pool_.giveBack(std::move(deltas));
+    walk_.clear();
 }
 
 template <class Key>
 void BrickActivity<Key>::add(const typename BlockWalk<Key>::Part& part) {
-    Deltas& deltas = deltas_.local();
+    std::unique_ptr<BrickDeltas>& deltas = walk_.local();
+    if (!deltas)
+        deltas = pool_.take();
     if (!part.page.hasTotals)
-        return addRecords(part, deltas);
+        return addRecords(part, *deltas);
     for (const auto& total : part.page.totals)
-        deltas.add(total.brick, total.count);
+        deltas->add(total.brick, total.count);
 }
 
 template <class Key>
 void BrickActivity<Key>::sumUp(const index::ChangePage<Key>& page,
                                std::vector<typename index::ChangePage<Key>::Total>& totals) {
-    Deltas& sums = sums_.local();
-    sums.begin();
-    addRecords({page, 0, page.recordCount()}, sums);
-    for (const BrickIndex brick : sums.touched())
-        if (const int count = sums.take(brick); count != 0)
+    std::unique_ptr<BrickDeltas> sums = pool_.take();
+    addRecords({page, 0, page.recordCount()}, *sums);
+    sums->forEach([&](BrickIndex brick, std::int32_t count) {
+        if (count != 0)
             totals.push_back({brick, count});
+    });
+    pool_.giveBack(std::move(sums));
 }
 
 template <class Key>
-void BrickActivity<Key>::addRecords(const typename BlockWalk<Key>::Part& part, Deltas& deltas) const {
+void BrickActivity<Key>::addRecords(const typename BlockWalk<Key>::Part& part, BrickDeltas& deltas) const {
     if (holders_) {
         for (std::size_t begin = part.begin; begin < part.end; begin += kBatch)
             addEdges({part.page, begin, std::min(begin + kBatch, part.end)}, deltas);
@@ -81,7 +78,7 @@ void BrickActivity<Key>::addRecords(const typename BlockWalk<Key>::Part& part, D
 
 // Which points are held more than once can hardly be predicted: so those are listed first.
 template <class Key>
-void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) const {
+void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, BrickDeltas& deltas) const {
     const index::ChangePage<Key>& page = batch.page;
     std::array<std::uint32_t, kBatch + 1> heldOften;
     std::size_t often = 0;
@@ -93,22 +90,28 @@ void BrickActivity<Key>::addEdges(const typename BlockWalk<Key>::Part& batch, De
         often += !isOnce;
     }
     for (const std::uint32_t i : std::span(heldOften).first(often))
-        holders_->forEach(page.id(i), [&](BrickIndex holder, ClosedPoint, unsigned inside) {
+        holders_->forEach(page.id(i), [&](BrickIndex holder, unsigned inside) {
             deltas.add(holder, difference(page.rising[i] & inside, page.falling[i] & inside));
         });
 }
 
 template <class Key>
 auto BrickActivity<Key>::changes() -> std::vector<Change> {
+    BrickDeltas* all = nullptr; // the largest, to which the others are added
+    for (const auto& deltas : walk_)
+        if (deltas && (!all || deltas->size() > all->size()))
+            all = deltas.get();
     std::vector<Change> changes;
-    for (const Deltas& deltas : deltas_)
-        for (const BrickIndex brick : deltas.touched()) {
-            int count = 0;
-            for (Deltas& each : deltas_) // others may have touched it, too
-                count += each.take(brick);
-            if (count != 0)
-                changes.push_back({brick, goesUp_ ? count : -count});
-        }
+    if (!all)
+        return changes;
+    for (const auto& deltas : walk_)
+        if (deltas && deltas.get() != all)
+            deltas->forEach([&](BrickIndex brick, std::int32_t count) { all->add(brick, count); });
+    all->forEach([&](BrickIndex brick, std::int32_t count) {
+        if (count != 0)
+            changes.push_back({brick, goesUp_ ? count : -count});
+    });
+    endWalk();
     return changes;
 }
 

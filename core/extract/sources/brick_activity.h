@@ -2,14 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/extract/sources/block_walk.h"
+#include "core/extract/sources/brick_deltas.h"
 #include "core/extract/sources/point_holders.h"
 #include "core/extract/virtual_array.h"
 
@@ -23,7 +24,8 @@ namespace isoslider::extract {
 /// active ones. Of a list of bricks (PAPER 3) each counts itself.
 ///
 /// A walk adds up what its records change, from several threads; bringing the counts to where it goes is separate, so
-/// that a walk may be made ahead. Two bytes a brick, and sixteen for each thread, of pages of memory that were touched.
+/// that a walk may be made ahead. Memory: two bytes a brick, where one was active, and tables of those that walks
+/// change.
 template <class Key>
 class BrickActivity {
 public:
@@ -42,57 +44,28 @@ public:
     /// Where nothing is active.
     void clear();
 
-    /// Begins a walk between two thresholds. One at a time.
+    /// Begins a walk between two thresholds, one at a time; another one that has not come to its end is forgotten.
     void beginWalk(bool goesUp);
     /// Adds records of the walk, or totals. Any thread.
     void add(const typename BlockWalk<Key>::Part& part);
     /// What the records of a page add up to, in the order in which bricks come first. Any thread.
     void sumUp(const index::ChangePage<Key>& page, std::vector<typename index::ChangePage<Key>::Total>& totals);
-    /// What the walk has changed, each brick once; those whose counts stay are left out.
+    /// Ends the walk: what it has changed, each brick once; those whose counts stay are left out. O(bricks it touched).
     std::vector<Change> changes();
 
     /// False where a brick would have a lower count than 0, or a higher one than there is: then nothing is changed.
     bool apply(std::span<const Change> changes);
 
 private:
-    /// Changes by brick, of which one thread makes many: no memory is cleared in between.
-    class Deltas {
-    public:
-        explicit Deltas(std::size_t bricks) : byBrick_(bricks) {}
-        void begin();
-        void add(BrickIndex brick, int count) {
-            Delta& delta = byBrick_[brick.index()];
-            if (delta.number != number_) {
-                delta = {number_, 0};
-                touched_.push_back(brick);
-            }
-            delta.count += count;
-        }
-        const std::vector<BrickIndex>& touched() const { return touched_; }
-        /// And it is 0 from then on.
-        int take(BrickIndex brick) {
-            Delta& delta = byBrick_[brick.index()];
-            return delta.number == number_ ? std::exchange(delta.count, 0) : 0;
-        }
-
-    private:
-        struct Delta {
-            std::uint32_t number; ///< of those that it is of
-            std::int32_t count;
-        };
-        VirtualArray<Delta> byBrick_;
-        std::vector<BrickIndex> touched_;
-        std::uint32_t number_ = 1;
-    };
-    void addRecords(const typename BlockWalk<Key>::Part& part, Deltas& deltas) const;
-    void addEdges(const typename BlockWalk<Key>::Part& batch, Deltas& deltas) const;
+    void endWalk();
+    void addRecords(const typename BlockWalk<Key>::Part& part, BrickDeltas& deltas) const;
+    void addEdges(const typename BlockWalk<Key>::Part& batch, BrickDeltas& deltas) const;
 
     std::optional<PointHolders> holders_; ///< with a list of edges
-    std::uint64_t bricks_;
     VirtualArray<std::uint16_t> counts_;
-    bool goesUp_ = false;
-    tbb::enumerable_thread_specific<Deltas> deltas_; ///< of the walk
-    tbb::enumerable_thread_specific<Deltas> sums_; ///< of a page
+    bool goesUp_ = false; ///< the walk
+    BrickDeltasPool pool_;
+    tbb::enumerable_thread_specific<std::unique_ptr<BrickDeltas>> walk_; ///< null until a thread has added something
 };
 
 } // namespace isoslider::extract

@@ -26,8 +26,8 @@ namespace isoslider::extract {
 template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sample>& samples,
                                  std::uint64_t cacheBytes, const MergeBound& listBound)
-    : WalkedSource<Sample>(list, cacheBytes,
-                           [this](const auto& records, auto& totals) { activity_.sumUp(records, totals); }),
+    : reader_(list),
+      walk_(list, cacheBytes, [this](const auto& records, auto& totals) { activity_.sumUp(records, totals); }),
       samples_(samples),
       inverseSpacing_(inverseSpacingOf(list.info().geometry)),
       isListOfEdges_(list.info().kind == index::IndexKind::Edges),
@@ -76,10 +76,17 @@ Status BrickSource<Sample>::netBricks(KeyThreshold lower, KeyThreshold upper, bo
     activity_.beginWalk(goesUp);
     ISO_TRY(walk_.visit(lower, upper, stats, stop, [this](const Part& part) { activity_.add(part); }));
     const auto changes = activity_.changes();
+    if (!hasCounts_) {
+        std::vector<BrickIndex> touched;
+        for (const auto& change : changes)
+            if (isInRegion(change.brick))
+                touched.push_back(change.brick);
+        return netBricksBySamples(std::move(touched), goesUp ? upper : lower, stats, stop, net);
+    }
     for (const auto& change : changes) {
         const std::uint32_t before = activity_.count(change.brick);
         const bool arrives = before == 0, leaves = static_cast<int>(before) + change.count == 0;
-        if ((arrives || leaves) && (!region_ || region_->contains(reader_.grid().brickCoords(change.brick))))
+        if ((arrives || leaves) && isInRegion(change.brick))
             (arrives ? net.arrive : net.leave).push_back(change.brick);
     }
     if (!isAhead && !activity_.apply(changes))
@@ -115,12 +122,36 @@ Status BrickSource<Sample>::activeBricks(KeyThreshold at, SlideStats& stats, std
 template <class Sample>
 Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net) {
     hasCounts_ = false;
-    const BrickGrid& grid = reader_.grid();
-    std::vector<BrickIndex> bricks;
-    for (const BrickIndex brick : firstIds<BrickIndex>(grid.brickCount()))
-        if (!region_ || region_->contains(grid.brickCoords(brick)))
-            bricks.push_back(brick);
-    sortForReading(bricks, false);
+    std::vector<BrickIndex> all;
+    for (const BrickIndex brick : firstIds<BrickIndex>(reader_.grid().brickCount()))
+        if (isInRegion(brick))
+            all.push_back(brick);
+    net = {};
+    return findActive(std::move(all), at, stats, stop, net.arrive);
+}
+
+// What comes and goes where counts are not known: among the bricks whose counts the move changes, all others stay as
+// they are.
+template <class Sample>
+Status BrickSource<Sample>::netBricksBySamples(std::vector<BrickIndex> touched, KeyThreshold to, SlideStats& stats,
+                                               std::stop_token stop, NetBricks& net) {
+    std::vector<BrickIndex> active;
+    ISO_TRY(findActive(touched, to, stats, stop, active));
+    std::sort(active.begin(), active.end());
+    for (const BrickIndex brick : touched) {
+        const bool isActive = std::binary_search(active.begin(), active.end(), brick),
+                   isLive = slotOf_[brick.index()] != 0;
+        if (isActive != isLive)
+            (isActive ? net.arrive : net.leave).push_back(brick);
+    }
+    return {};
+}
+
+// Those of the bricks that have samples on both sides of the threshold.
+template <class Sample>
+Status BrickSource<Sample>::findActive(std::vector<BrickIndex> among, KeyThreshold at, SlideStats& stats,
+                                       std::stop_token stop, std::vector<BrickIndex>& active) {
+    sortForReading(among, false);
     tbb::enumerable_thread_specific<std::vector<BrickIndex>> found;
     const auto isActive = [&](BrickIndex brick, SampleBlock<Sample>& block) {
         readBlock(samples_.rows(brick), block);
@@ -136,7 +167,7 @@ Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, 
                     }
         return least < at && greatest >= at;
     };
-    for (std::span<const BrickIndex> rest(bricks); !rest.empty();) {
+    for (std::span<const BrickIndex> rest(among); !rest.empty();) {
         const auto ready = samples_.prepare(rest, stats, stop);
         if (!ready.isOk())
             return ready.error();
@@ -150,23 +181,22 @@ Status BrickSource<Sample>::bricksBySamples(KeyThreshold at, SlideStats& stats, 
             return cancelledError();
         rest = rest.subspan(ready.value());
     }
-    net = {};
     for (const std::vector<BrickIndex>& some : found)
-        net.arrive.insert(net.arrive.end(), some.begin(), some.end());
+        active.insert(active.end(), some.begin(), some.end());
     return {};
 }
 
-// Whether the bricks that are active after the move are all looked up: where the region has become another one, where
-// it is not known which ones were, and, with a list of edges, where that is cheaper: from an end of the list there are
-// fewer entries on the way, but all bricks are gone through.
+// Whether the bricks that are active after the move are all looked up: where the region has become another one, and,
+// with a list of edges, where that is cheaper: from an end of the list there are fewer entries on the way, but all
+// bricks are gone through.
 template <class Sample>
 bool BrickSource<Sample>::isLookedUp(const Move& move) const {
-    if (hasNewRegion_ || !hasCounts_ || !isListOfEdges_)
-        return hasNewRegion_ || !hasCounts_;
-    const std::uint64_t fromEnd = std::min(walk_.estimate(lowest(), move.to), walk_.estimate(move.to, highest()));
+    if (hasNewRegion_ || !isListOfEdges_ || !hasCounts_ ||
+        (isWayBlocked(lowest(), move.to) && isWayBlocked(move.to, highest())))
+        return hasNewRegion_;
+    const std::uint64_t fromEnd = std::min(estimateWay(lowest(), move.to), estimateWay(move.to, highest()));
     constexpr std::uint64_t kEntriesPerBrick = 8; // that cost as much
-    return walk_.estimate(std::min(move.from, move.to), std::max(move.from, move.to)) >
-           fromEnd + kEntriesPerBrick * watch_.size();
+    return estimateWay(move.from, move.to) > fromEnd + kEntriesPerBrick * watch_.size();
 }
 
 // What comes and goes where all are looked up: of all that are active after the move those that are not
@@ -519,9 +549,9 @@ void BrickSource<Sample>::compareEdgeCount(const LiveSurface<Live>& surface, con
 
 template <class Sample>
 void BrickSource<Sample>::prefetch(KeyThreshold from, KeyThreshold to) {
-    // More than that is a jump, of which there is no knowing where the next one goes.
-    constexpr std::uint64_t kMaxEntries = 1u << 16;
-    if (from == to || !samples_.fetchesAhead() || walk_.estimate(std::min(from, to), std::max(from, to)) > kMaxEntries)
+    // More than that is a jump, of which there is no knowing where the next one goes. A brick has some hundred edges.
+    const std::uint64_t maxEntries = isListOfEdges_ ? 1u << 20 : 1u << 16;
+    if (from == to || !samples_.fetchesAhead() || !hasCounts_ || estimateWay(from, to) > maxEntries)
         return;
     ahead_ = {}; // before another begins
     // If anything goes wrong, the move itself will report it; without a thread, nothing is made ahead.

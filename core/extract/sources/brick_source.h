@@ -10,13 +10,14 @@
 
 #include "core/extract/live/chunked_array.h"
 #include "core/extract/live/one_leaf.h"
+#include "core/extract/sources/block_walk.h"
 #include "core/extract/sources/brick_activity.h"
+#include "core/extract/sources/change_source.h"
 #include "core/extract/sources/leaf_finding.h"
 #include "core/extract/sources/lines_ahead.h"
 #include "core/extract/sources/point_kernels.h"
 #include "core/extract/sources/sample_kernels.h"
 #include "core/extract/sources/sample_reader.h"
-#include "core/extract/sources/walked_source.h"
 #include "core/index/index_reader.h"
 
 namespace isoslider::extract {
@@ -35,16 +36,15 @@ namespace isoslider::extract {
 /// of the position, so the others cost the reading of 16 bytes. A brick that changes is made from its signs, 64 points
 /// at a time: see LIVE.md.
 ///
-/// Where the list is damaged on every way to a threshold, the bricks active there are found from all samples.
+/// Where the list is damaged on every way to a threshold, the bricks active there are found from all samples, and from
+/// there on those that come and go from the samples of the bricks that the list names.
 ///
 /// Cost: O(log N + records on the way + bricks that come, go or have a crossed sample) and 16 bytes per active brick.
 template <class Sample>
-class BrickSource final : public WalkedSource<Sample> {
+class BrickSource final : public ChangeSource<LiveOf<Sample>> {
 public:
-    using typename WalkedSource<Sample>::Key;
-    using typename WalkedSource<Sample>::Live;
-    using WalkedSource<Sample>::lowest;
-    using WalkedSource<Sample>::highest;
+    using Key = KeyOf<Sample>;
+    using Live = LiveOf<Sample>;
     using typename ChangeSource<Live>::Move;
 
     /// `list` states what becomes active and inactive, bricks or edges; it and `samples` must outlive the source.
@@ -67,14 +67,16 @@ public:
     std::uint64_t estimate(KeyThreshold from, KeyThreshold to) const override {
         if (!isEnd(from))
             return 0;
-        return WalkedSource<Sample>::isBlocked(from, to)
-                   ? reader_.grid().brickCount() * kBrickSide * kBrickSide * kBrickSide
-                   : walk_.estimate(std::min(from, to), std::max(from, to));
+        return isWayBlocked(from, to) ? reader_.grid().brickCount() * kBrickSide * kBrickSide * kBrickSide
+                                      : estimateWay(from, to);
     }
     /// Never from an empty surface.
-    bool isBlocked(KeyThreshold from, KeyThreshold to) const override {
-        return !isEnd(from) && WalkedSource<Sample>::isBlocked(from, to);
-    }
+    bool isBlocked(KeyThreshold from, KeyThreshold to) const override { return !isEnd(from) && isWayBlocked(from, to); }
+    std::uint64_t partsLost() const override { return walk_.pagesLost(); }
+    void setBuildsLevels(bool builds) override { walk_.setBuildsLevels(builds); }
+    KeyThreshold threshold(double isovalue) const override { return thresholdOf<Sample>(isovalue); }
+    KeyThreshold lowest() const override { return 0; }
+    KeyThreshold highest() const override { return KeyThreshold{keyOf(static_cast<Sample>(reader_.info().max))} + 1; }
     /// Reads the samples of bricks that will arrive, as far as there is room.
     void prefetch(KeyThreshold from, KeyThreshold to) override;
     void waitForPrefetch() override {
@@ -89,9 +91,7 @@ public:
     }
 
 private:
-    using typename WalkedSource<Sample>::Part;
-    using WalkedSource<Sample>::reader_;
-    using WalkedSource<Sample>::walk_;
+    using Part = typename BlockWalk<Key>::Part;
     using Stored = StoredSample<Sample>;
 
     using Points = BrickPoints<Sample>;
@@ -122,10 +122,21 @@ private:
     };
 
     bool isEnd(KeyThreshold at) const { return at == lowest() || at == highest(); }
+    bool isWayBlocked(KeyThreshold from, KeyThreshold to) const {
+        return walk_.isBlocked(std::min(from, to), std::max(from, to));
+    }
+    std::uint64_t estimateWay(KeyThreshold from, KeyThreshold to) const {
+        return walk_.estimate(std::min(from, to), std::max(from, to));
+    }
     void reset();
     Status activeBricks(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
     bool isLookedUp(const Move& move) const;
     Status bricksBySamples(KeyThreshold at, SlideStats& stats, std::stop_token stop, NetBricks& net);
+    Status netBricksBySamples(std::vector<BrickIndex> touched, KeyThreshold to, SlideStats& stats, std::stop_token stop,
+                              NetBricks& net);
+    Status findActive(std::vector<BrickIndex> among, KeyThreshold at, SlideStats& stats, std::stop_token stop,
+                      std::vector<BrickIndex>& active);
+    bool isInRegion(BrickIndex brick) const { return !region_ || region_->contains(reader_.grid().brickCoords(brick)); }
     Status netBricks(KeyThreshold lower, KeyThreshold upper, bool goesUp, bool isAhead, SlideStats& stats,
                      std::stop_token stop, NetBricks& net);
     Status lookUpBricks(const Move& move, const LiveSurface<Live>& surface, SlideStats& stats, std::stop_token stop,
@@ -161,6 +172,8 @@ private:
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
 
+    const index::IndexReader& reader_;
+    BlockWalk<Key> walk_;
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     bool isListOfEdges_; ///< else of bricks

@@ -51,7 +51,7 @@ public:
 
     /// Whether its own brick alone holds the point: of two points in three.
     bool isHeldOnce(PointId id) const { return (facesAt(localOf(id)) | places_[brickOf(id).index()] >> 3) == 0; }
-    /// Calls visit(holder, point of the holder, mask of the edges at the point that the holder has).
+    /// Calls visit(holder, mask of the edges at the point that the holder has).
     template <class Visit>
     void forEach(PointId id, const Visit& visit) const {
         const BrickIndex brick = brickOf(id);
@@ -60,22 +60,14 @@ public:
         for (unsigned below = may;; below = (below - 1) & may) {
             if ((below & must) == must) {
                 BrickIndex holder = brick;
-                ClosedPoint there = closedPointOf(localOf(id));
                 for (std::size_t a = 0; a < 3; ++a)
-                    if (below >> a & 1) {
+                    if (below >> a & 1)
                         holder = holder - stride_[a];
-                        there = there + kCellSide * kPointStride[a];
-                    }
-                visit(holder, there, unsigned{kEdgesInHolder[onFaces][below]});
+                visit(holder, unsigned{kEdgesInHolder[onFaces][below]});
             }
             if (below == 0)
                 return;
         }
-    }
-    /// In its own brick.
-    static ClosedPoint closedPointOf(LocalPoint local) {
-        const unsigned p = local.number();
-        return ClosedPoint((p & 7u) + kPointStride[1] * (p >> 3 & 7u) + kPointStride[2] * (p >> 6));
     }
 
 private:

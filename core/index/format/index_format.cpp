@@ -18,7 +18,7 @@
 namespace isoslider::index {
 namespace {
 
-// Read too, never written: the first of edges, the other of both kinds.
+// The first versions that are read, of each kind.
 constexpr std::uint16_t kFirstMajorOfEdges = 6, kFirstMajorOfMetacells = 4;
 
 constexpr std::size_t kMaxStringBytes = 4096;

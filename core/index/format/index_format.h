@@ -94,8 +94,8 @@ std::vector<std::byte> encodePreamble(const Preamble& preamble);
 /// Errors: InvalidArgument (not an index), UnsupportedVersion, Corruption.
 Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t fileBytes, const std::string& path);
 
-/// The least minor version whose readers know all of `meta`: files of volumes without a
-/// unit that were not resampled stay those of 4.0.
+/// The least minor version whose readers know all of `meta`: 0 of volumes without a unit
+/// that were not resampled.
 std::uint16_t minorOf(const IndexMeta& meta);
 
 std::vector<std::byte> encodeMeta(const IndexMeta& meta);

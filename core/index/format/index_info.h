@@ -10,10 +10,11 @@
 
 namespace isoslider::index {
 
-/// What becomes active and inactive along the skip list.
+/// What becomes active and inactive along the skip list. What bricks look like is read from the samples, which an
+/// index keeps compressed.
 enum class IndexKind : std::uint8_t {
-    Edges, ///< grid edges with the scalars of their ends; normals of all points are kept compressed
-    Metacells, ///< bricks; what they hold is read from the samples, which the index keeps compressed
+    Edges, ///< grid edges with the scalars of their ends
+    Metacells, ///< bricks
     BrickList, ///< bricks alone, of a volume that is in memory; never a file
 };
 

@@ -35,7 +35,7 @@ constexpr std::uint8_t maskOf(std::uint8_t form) {
 /// it is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 ///
 /// DEVIATION from the paper, 2: there, records hold normals too, those of far ends with them. A point has up to six far
-/// ends and stands at several levels, so half of an index were normals; they are stored once for each point, by place.
+/// ends and stands at several levels, so half of an index were normals; the samples, which are stored once, give them.
 ///
 /// Of another form (record_form): `id` is the edge's lower point, or the merged cell's first one.
 template <class Key>

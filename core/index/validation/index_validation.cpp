@@ -35,13 +35,14 @@ public:
             ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));
         const SurveyOptions ofSamples{options_.memoryBytes, "the samples"},
             ofVolume{options_.memoryBytes, "the volume"};
+        bool areSamplesWhole = !comparesEdges;
         if (options_.isFull)
-            ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0)));
-        if (comparesEdges)
+            ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0), areSamplesWhole));
+        if (options_.volume && !areSamplesWhole) // the list can be compared with the volume instead
             ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.8)));
         if (options_.volume)
             ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
-        report_.areEdgesCompared = options_.volume && !(reader_.info().mergeError > 0.0);
+        report_.areSamplesCompared = options_.volume.has_value();
         return {};
     }
 
@@ -99,14 +100,17 @@ private:
         return volume.geometry.dims == info.geometry.dims && volume.type == info.type;
     }
 
-    Status checkStoredSamples(const Level0Sums& sums, const SurveyOptions& options, const JobControl& job) {
+    // `areWhole`: all chunks could be read.
+    Status checkStoredSamples(const Level0Sums& sums, const SurveyOptions& options, const JobControl& job,
+                              bool& areWhole) {
         const SampleStore store(reader_);
         std::atomic<bool> hasFailed = false;
         const ComparedVolume planes = storedPlanes(reader_, store, hasFailed);
         // With samples missing nothing would agree: what is wrong has been said.
         FaultList found(reader_, options_.mostFaults);
         ISO_TRY(surveySamples(reader_, planes, &sums, found, options, job));
-        if (!hasFailed)
+        areWhole = !hasFailed;
+        if (areWhole)
             for (IndexFault& fault : found.take())
                 faults_.add(std::move(fault));
         return {};

@@ -42,7 +42,7 @@ struct ComparedVolume {
 struct ValidationOptions {
     /// Besides the checksums, all that FORMAT.md demands of what they are of.
     bool isFull = false;
-    /// Compared with the index: samples and normals bit by bit, edges by sums over all of them.
+    /// Compared with the index: samples bit by bit, edges by sums over all of them, unless cells are merged.
     std::optional<ComparedVolume> volume;
     std::size_t mostFaults = 100; ///< that are described; all are counted
     std::uint64_t memoryBytes = std::uint64_t{1} << 30; ///< for counting distinct values
@@ -54,7 +54,7 @@ struct ValidationReport {
     std::uint64_t faultCount = 0;
     std::uint64_t pages = 0, chunks = 0; ///< that were looked at
     std::uint64_t bytes = 0; ///< under checksums
-    bool areEdgesCompared = false; ///< a volume was given, and more than its facts could be compared
+    bool areSamplesCompared = false; ///< a volume was given, and it has the grid and type of the index
 
     bool isSound() const { return faultCount == 0; }
 };

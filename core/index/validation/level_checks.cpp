@@ -217,21 +217,12 @@ private:
 
     struct Record {
         std::uint64_t key, id;
-        NormalCode normal;
         std::uint8_t mask, form;
         const Key* farKeys; // as many as the mask has bits
-        const NormalCode* farNormals; // null: pages have none
-        NormalCode farNormal(int at) const { return farNormals ? farNormals[at] : kNoNormal; }
         std::uint64_t otherEnd() const { return farKeys[0]; } // of forms above 0
     };
     static Record recordAt(const DecodedPage<Key>& page, std::size_t i, std::size_t at) {
-        return {page.keys[i],
-                page.ids[i],
-                page.hasNormals() ? page.normals[i] : kNoNormal,
-                page.masks[i],
-                page.form(i),
-                page.farKeys.data() + at,
-                page.hasNormals() ? page.farNormals.data() + at : nullptr};
+        return {page.keys[i], page.ids[i], page.masks[i], page.form(i), page.farKeys.data() + at};
     }
 
     // visit(far key, hash) of each edge that the record has, or once of an interval.
@@ -240,16 +231,15 @@ private:
         if (record.form != record_form::kPoint) {
             std::uint64_t hash = mixHash(mixHash(record.id, record.form), record.key);
             for (int i = 0; i < std::popcount(record.mask); ++i)
-                hash = mixHash(mixHash(hash, record.farKeys[i]), record.farNormal(i));
-            visit(record.otherEnd(), mixHash(hash, record.normal));
+                hash = mixHash(hash, record.farKeys[i]);
+            visit(record.otherEnd(), hash);
             return;
         }
         int at = 0;
         for (unsigned mask = record.mask; mask != 0; mask &= mask - 1, ++at) {
             const auto edge = static_cast<std::uint64_t>(std::countr_zero(mask));
             std::uint64_t hash = mixHash(mixHash(record.id, 16 + edge), record.key);
-            hash = mixHash(mixHash(hash, record.farKeys[at]), record.farNormal(at));
-            visit(record.farKeys[at], mixHash(hash, record.normal));
+            visit(record.farKeys[at], mixHash(hash, record.farKeys[at]));
         }
     }
 
@@ -316,8 +306,7 @@ private:
             const std::uint64_t id = isUp ? record.id : grid_.pointId(lower[0], lower[1], lower[2]).number();
             const std::uint64_t far = record.farKeys[at];
             const std::uint64_t hash = intervalHash(id, axis, isUp ? record.key : far, isUp ? far : record.key);
-            const NormalCode own = record.normal, other = record.farNormal(at);
-            addEnd(id, isUp, hash, mixHash(isUp ? own : other, isUp ? other : own));
+            addEnd(id, isUp, hash);
             addToCurve(record.key, far);
             if (far == record.key)
                 problem = "has an edge between equal samples";
@@ -327,9 +316,9 @@ private:
         return problem;
     }
 
-    void addEnd(std::uint64_t id, bool isFirst, std::uint64_t hash, std::uint64_t besides = 0) {
-        const std::uint64_t brick = id / kBrickPoints, whole = mixHash(hash, besides);
-        ends_.add(brick, isFirst ? whole : std::uint64_t{0} - whole);
+    void addEnd(std::uint64_t id, bool isFirst, std::uint64_t hash) {
+        const std::uint64_t brick = id / kBrickPoints;
+        ends_.add(brick, isFirst ? hash : std::uint64_t{0} - hash);
         if (isFirst)
             sums_.intervals.add(brick, hash);
     }
@@ -342,7 +331,6 @@ private:
         if (record_form::isEdge(record.form)) {
             for (int i = 1; i < 3; ++i)
                 hash = mixHash(hash, record.farKeys[i]);
-            hash = mixHash(mixHash(hash, record.normal), record.farNormal(0));
             addToCurve(record.key, record.otherEnd());
         }
         ends_.add(record.id / kBrickPoints, isLower ? hash : std::uint64_t{0} - hash);

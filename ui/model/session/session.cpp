@@ -128,6 +128,7 @@ void Session::forgetDataset() {
     topology_.clear();
     indexState_ = IndexState::None;
     dataset_.reset();
+    detail_.dropAdopted();
     lookedAt_.reset();
     grid_.reset();
     frame_.reset();
@@ -146,6 +147,8 @@ void Session::forgetDataset() {
 
 void Session::adopt(LoadedDataset loaded) {
     forgetDataset();
+    if (const auto& index = loaded.dataset.index; loaded.engine && index && index->mergeError > 0.0)
+        detail_.adoptError(extract::builtError(*index)); // it was built to be seen so
     pictureLimit_ = std::numeric_limits<std::uint64_t>::max();
     worker_->limitPicture(pictureLimit_);
     second_->limitPicture(pictureLimit_);
@@ -156,8 +159,6 @@ void Session::adopt(LoadedDataset loaded) {
     firstIsovalue_.begin(std::move(loaded.first), loaded.isFirstBest);
     if (loaded.engine) {
         indexState_ = IndexState::Ready;
-        if (const auto& index = dataset_->index; index && index->mergeError > 0.0)
-            detail_.setError(extract::builtError(*index)); // it was built to be seen so
         useSource(makeIndexSource(std::move(loaded.engine)));
     } else {
         useSource(makeMemorySource(grid_, services_.indexBuilder));

@@ -12,6 +12,7 @@
 #include "core/extract/full_extraction.h"
 #include "core/extract/slide_engine.h"
 #include "core/grid/scalar_key.h"
+#include "core/index/index_places.h"
 #include "core/index/sample_store.h"
 #include "core/index/validation/index_validation.h"
 #include "tests/property/surface_comparison.h"
@@ -296,6 +297,64 @@ TEST(DamagedPages, OfAnIndexWithSamplesCostTimeOnly) {
         ASSERT_TRUE(test::isSameSurface(bounded->mesh().value(), whole.back()));
     }
     EXPECT_GT(scans, 0);
+}
+
+// No way from either end, but a sound one between two isovalues: what the list names there is looked up, no more.
+TEST(DamagedPages, OnBothSidesAreReplacedByAllSamplesOnce) {
+    const auto noiseOf = [](const GridDims& dims) {
+        GridGeometry geometry;
+        geometry.dims = dims;
+        std::mt19937 random(9);
+        std::uniform_real_distribution<float> noise(0.0f, 2.0f);
+        return test::makeVolume<float>(ScalarType::F32, geometry, [&](auto x, auto y, auto z) {
+            return x == 3 && y == 90 ? std::numeric_limits<float>::quiet_NaN()
+                                     : static_cast<float>(y) + 0.5f * static_cast<float>(z) + noise(random);
+        });
+    };
+    // More bricks, of which there are fewer records than of edges.
+    const auto ofEdges = noiseOf({33, 130, 130}), ofBricks = noiseOf({65, 170, 170});
+    const test::TemporaryFolder folder;
+    for (const Case& of : {Case{IndexKind::Metacells, 0.0}, Case{IndexKind::Edges, 0.0}, Case{IndexKind::Edges, 1.0}}) {
+        SCOPED_TRACE(std::string(index::indexKindName(of.kind)) + " " + std::to_string(of.mergeError));
+        preprocess::BuildOptions options;
+        options.kind = of.kind;
+        options.mergeError.amount = of.mergeError;
+        options.skipLevels = 1;
+        ASSERT_THAT(test::buildIndexOf(of.kind == IndexKind::Edges ? ofEdges : ofBricks, folder / "whole.isx", options),
+                    IsOk());
+        const auto reader = index::IndexReader::open(folder / "whole.isx");
+        ASSERT_THAT(reader, IsOk());
+        const auto& pages = reader.value()->meta().levels.at(0).pages;
+        ASSERT_GE(pages.size(), 3u);
+        const index::PageEntry& sound = pages[pages.size() / 2];
+        const auto range = index::isovaluesOf(ScalarType::F32, sound.firstKey, sound.lastKey);
+        ASSERT_TRUE(range);
+        std::string bytes = test::readText(folder / "whole.isx");
+        for (const index::PageEntry* page : {&pages.front(), &pages.back()})
+            bytes[page->offset + page->bytes / 2] ^= 0x10;
+        std::ofstream(folder / "damaged.isx", std::ios::binary) << bytes;
+
+        const auto engine = SlideEngine::open(folder / "damaged.isx", {.cacheBytes = 1 << 20, .readsAhead = false});
+        const auto whole = SlideEngine::open(folder / "whole.isx");
+        ASSERT_THAT(engine, IsOk());
+        ASSERT_THAT(whole, IsOk());
+        const auto slideTo = [&](double isovalue) {
+            const auto stats = engine.value()->slideTo(isovalue);
+            EXPECT_THAT(stats, IsOk());
+            EXPECT_THAT(whole.value()->slideTo(isovalue), IsOk());
+            EXPECT_TRUE(test::isSameSurface(engine.value()->mesh().value(), whole.value()->mesh().value())) << isovalue;
+            return stats.value().bytesRead > reader.value()->info().chunkBytes / 2;
+        };
+        const double middle = 0.5 * ((*range)[0] + (*range)[1]), step = 0.002 * ((*range)[1] - (*range)[0]);
+        EXPECT_TRUE(slideTo(middle)) << "all samples are read";
+        for (const double away : {1.0, -0.5, 0.2, 2.0})
+            EXPECT_FALSE(slideTo(middle + away * step)) << away;
+        const BrickBox part{{0, 0, 0}, {3, 14, 14}}; // of which all samples must be read
+        engine.value()->setRegion(part);
+        whole.value()->setRegion(part);
+        slideTo(middle);
+        EXPECT_FALSE(slideTo(middle + step));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, DamagedParts,

@@ -124,6 +124,23 @@ TEST_F(PageCacheTest, GivesTotalsOfPagesThatAreTakenWhole) {
     EXPECT_FALSE(plain.get(kLevel0, 3, Form::Totals).value().page->hasTotals);
 }
 
+// One that had the memory of records would count as much as these.
+TEST_F(PageCacheTest, KeepsTotalsAsSmallAsTheyAre) {
+    using Form = Cache::Form;
+    const auto sumUp = [](const KeptPage&, std::vector<KeptPage::Total>& totals) {
+        totals.push_back({BrickIndex(7), 1});
+    };
+    Cache cache(*reader_, 2 * largest_, sumUp);
+    for (std::size_t page = 0; page < 20; ++page) { // most are given up again
+        ASSERT_THAT(cache.get(kLevel0, page), IsOk());
+        ASSERT_THAT(cache.get(kLevel0, page, Form::Totals), IsOk());
+    }
+    for (std::size_t page = 0; page < 20; ++page)
+        EXPECT_LT(cache.get(kLevel0, page, Form::Totals).value().page->memoryBytes(), largest_ / 10);
+    for (std::size_t page = 0; page < 20; ++page)
+        EXPECT_EQ(cache.get(kLevel0, page, Form::Totals).value().bytesRead, 0u) << "all are kept";
+}
+
 TEST_F(PageCacheTest, KeepsWithinItsBoundBesideManyThreads) {
     Cache cache(*reader_, 5 * largest_);
     std::vector<std::jthread> threads;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -152,6 +154,71 @@ TEST(BrickActivity, ChangeNothingUntilTheyAreApplied) {
         if (volume.shapes().hasCells(brick)) {
             ASSERT_EQ(counts.count(brick), volume.activeEdges(brick, 4));
         }
+}
+
+// Each thread adds up what it is given; several have changes of the same bricks.
+TEST(BrickActivity, AreTheSameFromSeveralThreads) {
+    std::mt19937 random(8);
+    const SmallVolume volume(kVolumes[0], random);
+    BrickActivity<Key> counts(volume.grid(), BrickActivity<Key>::ListOf::Edges);
+    index::ChangePage<Key> page;
+    page.assign(volume.page(0, 7, random));
+    for (int round = 0; round < 3; ++round) { // the tables of threads that are gone are used again
+        counts.clear();
+        counts.beginWalk(true);
+        std::vector<std::jthread> threads;
+        for (std::size_t t = 0; t < 4; ++t)
+            threads.emplace_back([&, t] {
+                for (std::size_t i = t; i < page.recordCount(); i += 4)
+                    counts.add(Part{page, i, i + 1});
+            });
+        threads.clear();
+        ASSERT_TRUE(counts.apply(counts.changes()));
+        for (const BrickIndex brick : firstIds<BrickIndex>(volume.grid().brickCount()))
+            if (volume.shapes().hasCells(brick)) {
+                ASSERT_EQ(counts.count(brick), volume.activeEdges(brick, 7)) << brick.number();
+            }
+    }
+}
+
+TEST(BrickDeltas, AddUpInTheOrderInWhichBricksCome) {
+    std::mt19937 random(9);
+    for (const std::uint32_t bricks : {5u, 3000u, 4'000'000'000u}) {
+        BrickDeltas deltas;
+        for (int round = 0; round < 2; ++round) {
+            std::vector<BrickIndex> order;
+            std::map<BrickIndex, std::int32_t> sums;
+            for (int i = 0; i < 20'000; ++i) {
+                const BrickIndex brick(random() % bricks);
+                const auto count = static_cast<std::int32_t>(random() % 13) - 6;
+                deltas.add(brick, count);
+                if (!sums.contains(brick))
+                    order.push_back(brick);
+                sums[brick] += count;
+            }
+            ASSERT_EQ(deltas.size(), order.size());
+            std::size_t next = 0;
+            deltas.forEach([&](BrickIndex brick, std::int32_t count) {
+                ASSERT_EQ(brick, order[next++]);
+                ASSERT_EQ(count, sums[brick]);
+            });
+            deltas.clear();
+            EXPECT_EQ(deltas.size(), 0u);
+        }
+        EXPECT_LT(deltas.memoryBytes(), 16'384 + 64 * std::min<std::size_t>(bricks, 20'000))
+            << "in proportion to what it held";
+    }
+}
+
+TEST(BrickDeltas, StayWithinWhatNumbersHold) {
+    BrickDeltas deltas;
+    constexpr std::int32_t kMany = 1'000'000'000;
+    for (int i = 0; i < 5; ++i) {
+        deltas.add(BrickIndex(3), kMany);
+        deltas.add(BrickIndex(4), -kMany);
+    }
+    deltas.forEach(
+        [&](BrickIndex brick, std::int32_t count) { EXPECT_GE(brick == BrickIndex(3) ? count : -count, kMany); });
 }
 
 // What only a damaged index states.

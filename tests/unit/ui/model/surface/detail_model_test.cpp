@@ -27,6 +27,26 @@ TEST(DetailModel, TellsObserversOfAnErrorThatDiffers) {
     EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Scalar, 0.25}));
 }
 
+TEST(DetailModel, HasTheErrorOfAnIndexUntilAnotherIsSetOrTheIndexIsGone) {
+    const extract::MergeError chosen{Measure::Scalar, 0.5}, built{Measure::Distance, 0.35};
+    DetailModel detail;
+    detail.dropAdopted();
+    EXPECT_EQ(detail.error().amount, 0.0);
+    detail.setError(chosen);
+    detail.adoptError(built);
+    EXPECT_EQ(detail.error(), built);
+    detail.dropAdopted();
+    EXPECT_EQ(detail.error(), chosen);
+
+    detail.adoptError(built);
+    detail.setError({Measure::Distance, 0.1});
+    detail.dropAdopted();
+    EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Distance, 0.1})) << "it was chosen";
+    detail.adoptError(detail.error());
+    detail.dropAdopted();
+    EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Distance, 0.1}));
+}
+
 TEST(DetailModel, UsesACoarserErrorWhileMovingIfThatIsWanted) {
     DetailModel detail;
     int told = 0;
