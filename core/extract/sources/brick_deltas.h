@@ -21,7 +21,10 @@ public:
         std::int32_t count = 0;
     };
 
-    /// A sum that would be larger than any that can be right stays at a limit. REQUIRES: so is no count.
+    BrickDeltas() { places_.reserve(table_.size() / 2); }
+
+    /// A sum that would be larger than any that can be right stays at a limit. REQUIRES: so is no count. Throws
+    /// std::bad_alloc; nothing is added then.
     void add(BrickIndex brick, std::int32_t count) {
         std::size_t place = homeOf(brick);
         while (table_[place].brick != brick) {
@@ -77,6 +80,7 @@ private:
     }
     void grow() {
         std::vector<Delta> before(2 * table_.size());
+        places_.reserve(before.size() / 2); // whatever fails comes first
         before.swap(table_);
         ++bits_;
         for (std::uint32_t& place : places_) {
@@ -94,6 +98,8 @@ private:
 /// Tables that threads take in turn, so that no memory is cleared for each use; large ones are not kept. Any thread.
 class BrickDeltasPool {
 public:
+    BrickDeltasPool() { spares_.reserve(kMostSpares); }
+
     /// Clear ones.
     std::unique_ptr<BrickDeltas> take() {
         {
@@ -106,7 +112,7 @@ public:
         }
         return std::make_unique<BrickDeltas>();
     }
-    void giveBack(std::unique_ptr<BrickDeltas> deltas) {
+    void giveBack(std::unique_ptr<BrickDeltas> deltas) noexcept {
         if (deltas->memoryBytes() > kMostBytes)
             return;
         deltas->clear();
