@@ -94,8 +94,15 @@ inline void forEachSetBit(const BitString& bits, const Visit& visit) {
 
 /// Signs of the eight corners of a cell, bit c for corner c (core/cell/cell_numbering.h).
 ISO_ALWAYS_INLINE std::uint8_t signsOfCell(const BitString& above, ClosedPoint cell) {
-    const std::uint64_t lower = bitsFrom(above, cell), upper = bitsFrom(above, cell + kPointStride[2]);
-    return static_cast<std::uint8_t>((lower & 3) | (lower >> 9 & 3) << 2 | (upper & 3) << 4 | (upper >> 9 & 3) << 6);
+    static_assert(kPointStride[1] == 9 && kPointStride[2] == 81);
+    constexpr std::uint32_t kFour = 3 | 3 << 9; // of a plane
+    std::uint32_t lower, upper; // the upper from ten bytes on, so one bit earlier
+    const std::byte* const from = reinterpret_cast<const std::byte*>(above.words.data()) + cell.index() / 8;
+    std::memcpy(&lower, from, sizeof lower);
+    std::memcpy(&upper, from + 10, sizeof upper);
+    const unsigned first = cell.number() % 8;
+    const std::uint32_t both = (lower >> first & kFour) | (upper >> first << 3 & kFour << 4);
+    return static_cast<std::uint8_t>(both | both >> 7);
 }
 
 } // namespace isoslider::extract

@@ -144,26 +144,55 @@ void listCellsHere(const BitString& active, const BitString& above, CellList& li
     }
 }
 #else
+// States, and which are ambiguous, of the signs that are listed.
+HWY_INLINE void findStates(CellList& list) {
+    list.ambiguousCount = 0;
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+    for (std::uint32_t k = 0; k < list.count; ++k) {
+        list.states[k] = list.signs[k];
+        list.ambiguous[list.ambiguousCount] = static_cast<std::uint16_t>(k);
+        list.ambiguousCount += ambiguousSignTable()[list.signs[k]];
+    }
+#else
+    const hn::CappedTag<std::uint8_t, 32> d;
+    const hn::Half<decltype(d)> half;
+    const hn::RepartitionToWide<decltype(d)> shorts;
+    constexpr auto lanes = static_cast<std::uint32_t>(hn::MaxLanes(d));
+    // A bit in 32 bytes: which of them, in two tables of 16, then which of its bits.
+    const std::uint8_t* const bits = ambiguousSignBits().data();
+    alignas(16) static constexpr std::uint8_t kBits[16] = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+    const auto low = hn::LoadDup128(d, bits), high = hn::LoadDup128(d, bits + 16), bitOf = hn::LoadDup128(d, kBits);
+    for (std::uint32_t k = 0; k < list.count; k += lanes) {
+        const auto signs = hn::LoadU(d, list.signs.data() + k);
+        hn::StoreU(hn::PromoteTo(shorts, hn::LowerHalf(half, signs)), shorts, list.states.data() + k);
+        hn::StoreU(hn::PromoteTo(shorts, hn::UpperHalf(half, signs)), shorts, list.states.data() + k + lanes / 2);
+        const auto place = hn::And(hn::ShiftRight<3>(signs), hn::Set(d, 15));
+        const auto byte = hn::IfThenElse(hn::TestBit(signs, hn::Set(d, 128)), hn::TableLookupBytes(high, place),
+                                         hn::TableLookupBytes(low, place));
+        const auto bit = hn::TableLookupBytes(bitOf, hn::And(signs, hn::Set(d, 7)));
+        std::uint64_t ambiguous = 0;
+        hn::StoreMaskBits(d, hn::TestBit(byte, bit), reinterpret_cast<std::uint8_t*>(&ambiguous));
+        if (list.count - k < lanes)
+            ambiguous &= (std::uint64_t{1} << (list.count - k)) - 1;
+        for (; ambiguous != 0; ambiguous &= ambiguous - 1)
+            list.ambiguous[list.ambiguousCount++] = static_cast<std::uint16_t>(k + firstBit(ambiguous));
+    }
+#endif
+}
+
 void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
     auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
     list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
-    const std::array<bool, 256>& isAmbiguous = ambiguousSignTable();
-    std::uint32_t ambiguous = 0;
 #if HWY_TARGET <= HWY_AVX3
     alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
     findAllSigns(above, allSigns.data());
-    const auto signsAt = [&](ClosedPoint cell) { return allSigns[cell.index()]; };
+    for (std::uint32_t k = 0; k < list.count; ++k)
+        list.signs[k] = allSigns[list.cells[k].index()];
 #else
-    const auto signsAt = [&](ClosedPoint cell) { return signsOfCell(above, cell); };
+    for (std::uint32_t k = 0; k < list.count; ++k)
+        list.signs[k] = signsOfCell(above, list.cells[k]);
 #endif
-    for (std::uint32_t k = 0; k < list.count; ++k) {
-        const std::uint8_t signs = signsAt(list.cells[k]);
-        list.signs[k] = signs;
-        list.states[k] = signs;
-        list.ambiguous[ambiguous] = static_cast<std::uint16_t>(k);
-        ambiguous += isAmbiguous[signs];
-    }
-    list.ambiguousCount = ambiguous;
+    findStates(list);
 }
 #endif
 
