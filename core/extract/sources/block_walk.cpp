@@ -38,15 +38,14 @@ BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheB
 template <class Key>
 Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getPage(const Task& task) {
     using Form = typename index::PageCache<Key>::Form;
-    const auto &level = task.level, &page = task.page;
-    auto lookup = cache_.get(level, page, isTakenWhole(task) ? Form::Totals : Form::Records);
+    auto lookup = cache_.get(task.level, task.page, isTakenWhole(task) ? Form::Totals : Form::Records);
     if (lookup.isOk() && lookup.value().bytesRead == 0)
         return lookup; // of the cache
     const std::lock_guard lock(damagedMutex_);
     if (lookup.isOk())
-        damaged_.erase({level, page});
+        damaged_.erase({task.level, task.page});
     else if (lookup.error().code == ErrorCode::Corruption || lookup.error().code == ErrorCode::IoError)
-        pagesLost_ += damaged_.emplace(level, page).second;
+        pagesLost_ += damaged_.emplace(task.level, task.page).second;
     return lookup;
 }
 
