@@ -5,7 +5,7 @@ layout(location = 0) in uint code; // core/extract/live/vertex_code.h
 layout(location = 2) in vec4 tint; // linear light; a: 0 hidden, half plain, 1 in this colour; (0, 0, 0, 1) without tints
 
 uniform usamplerBuffer places; // of the brick of each 32 vertices: x and y, z, its first line of points, its first in inner
-uniform usamplerBuffer scalars, normals; // of all points; lines of 64 bytes, a brick's 768 scalars before its normals
+uniform usamplerBuffer scalars, normals; // of all points; lines of 64 bytes, a brick's 736 scalars before its normals
 uniform usamplerBuffer inner; // vertices inside cells: place, normal and level
 uniform int scalarBytes; // integers are keys, but for those of 4 bytes, which are bits of floats
 uniform int zeroKey; // the key of 0
@@ -59,7 +59,7 @@ void placeOnEdge(vec3 brick, uint line) {
     uvec3 strides = uvec3(1u, 9u, 81u);
     int lower = int(first.x + 9u * first.y + 81u * first.z), upper = lower + int(side * strides[axis]);
     int firstScalar = int(line) * (64 / scalarBytes);
-    int firstNormal = (int(line) + 12 * scalarBytes) * 32;
+    int firstNormal = int(line) * 32 + 736 / 2 * scalarBytes;
     vec2 ends = vec2(scalarAt(firstScalar + lower), scalarAt(firstScalar + upper));
     vec3 along = vec3(axis == 0u, axis == 1u, axis == 2u);
     // Halves, so that differences of large numbers stay finite; what is not a number becomes 0.

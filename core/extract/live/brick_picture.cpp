@@ -157,7 +157,7 @@ void prefetchSome(const BrickPicture<float>& picture, const PictureBrick& brick,
     const VertexCode* const codes = picture.codes(brick);
     const auto* const samples = reinterpret_cast<const char*>(picture.points(brick));
     const std::size_t sampleBytes = scalarTypeSizeBytes(picture.type());
-    const auto* const normals = samples + kPaddedPoints * sampleBytes;
+    const auto* const normals = samples + kKeptPoints * sampleBytes;
     for (std::size_t at = 0; at < which.size() && which[at] < onEdges; ++at) {
         const auto [lower, upper] = endsOf(codes[which[at]]);
         for (const std::size_t point : {lower, upper}) {

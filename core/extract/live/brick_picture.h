@@ -37,7 +37,7 @@ struct BrickArenas {
     ShortArena vertices; ///< VertexCode
     ShortArena indices;
     RunArena<InnerRecord, 4, 14> inner;
-    RunArena<PointLine, 4, kPointChunkBits> points;
+    RunArena<PointLine, 1, kPointChunkBits> points;
     const std::uint64_t series = nextSeries(); ///< no other arenas have the same number
 
     /// What the vertices of a run are made from, in a separate array, at the place that its codes have in theirs.

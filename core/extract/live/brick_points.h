@@ -42,12 +42,15 @@ inline StoredSample<Sample> storedThreshold(KeyThreshold threshold) {
         return sampleOfKey<Sample>(static_cast<KeyOf<Sample>>(threshold));
 }
 
+/// A closed brick's points in whole vectors of up to 32. Those behind the last hold a sample of the brick.
+inline constexpr int kKeptPoints = (kClosedPoints + 31) / 32 * 32;
+
 /// The points of a live brick: what its vertices are made from. Which of them hold anything is known to who fills it:
 /// those at the ends of edges that carry vertices do.
 template <class Sample>
 struct alignas(64) BrickPoints {
-    StoredSample<Sample> samples[kPaddedPoints];
-    NormalCode normals[kPaddedPoints];
+    StoredSample<Sample> samples[kKeptPoints];
+    NormalCode normals[kKeptPoints];
 };
 
 /// Points of any sample type are kept as lines of 64 bytes.
@@ -70,8 +73,10 @@ BrickPoints<Sample>& pointsIn(PointLine* lines) {
 }
 
 constexpr std::uint32_t pointLineCount(std::size_t sampleBytes) {
-    return static_cast<std::uint32_t>((sampleBytes + sizeof(NormalCode)) * kPaddedPoints / sizeof(PointLine));
+    return static_cast<std::uint32_t>(((sampleBytes + sizeof(NormalCode)) * kKeptPoints + sizeof(PointLine) - 1) /
+                                      sizeof(PointLine));
 }
+static_assert(pointLineCount(1) * sizeof(PointLine) == sizeof(BrickPoints<std::uint8_t>));
 static_assert(pointLineCount(2) * sizeof(PointLine) == sizeof(BrickPoints<std::int16_t>));
 static_assert(pointLineCount(8) * sizeof(PointLine) == sizeof(BrickPoints<double>));
 

@@ -32,7 +32,8 @@ struct OneLeaf {
 template <class Stored>
 struct alignas(64) LeafEdgeSamples {
     static constexpr std::size_t kPlaces = 16; ///< of each edge; those behind its end repeat it
-    std::array<Stored, 12 * kPlaces> samples;
+    static constexpr std::size_t kCount = 12 * kPlaces;
+    std::array<Stored, kCount> samples;
 
     void fill(const Stored* ofBrick) {
         for (std::size_t e = 0; e < 12; ++e) {

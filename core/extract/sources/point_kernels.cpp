@@ -261,7 +261,7 @@ void readPointsHere(const SampleRows<Sample>& rows, const glm::vec3& inverseSpac
         fillInBox(rows, samples, points.samples);
     else
         fillBesideBox(rows, samples, points.samples);
-    std::fill(points.samples + kClosedPoints, points.samples + kPaddedPoints, points.samples[0]);
+    std::fill(points.samples + kClosedPoints, points.samples + kKeptPoints, points.samples[0]);
     findNormals(samples, inverseSpacing, points.normals);
 }
 
@@ -301,7 +301,7 @@ void readPointsReference(const SampleRows<Sample>& rows, const glm::vec3& invers
             any = storedOf(sample);
         points.normals[p] = normalOfGradient(block.gradient(at[0], at[1], at[2], inverseSpacing));
     }
-    std::fill_n(points.samples, kPaddedPoints, any);
+    std::fill_n(points.samples, kKeptPoints, any);
     for (unsigned p = 0; p < kClosedPoints; ++p) {
         const auto at = coordsOf(ClosedPoint(p));
         if (!block.isInside(at[0], at[1], at[2]))

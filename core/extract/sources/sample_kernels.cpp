@@ -65,25 +65,25 @@ namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A bit for each of 64 * `words` samples.
-template <class T>
-void findSigns(const T* HWY_RESTRICT samples, T threshold, std::size_t words, std::uint64_t* HWY_RESTRICT above,
-               T& leastAbove, T& greatestBelow) {
-    const hn::CappedTag<T, 64> d;
+// A bit for each of the samples, which are whole halves of words.
+template <std::size_t kSamples, class T>
+void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RESTRICT above, T& leastAbove,
+               T& greatestBelow) {
+    constexpr std::size_t kHalf = 32;
+    static_assert(kSamples % kHalf == 0);
+    const hn::CappedTag<T, kHalf> d;
     constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has less than one word's
     // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
-    using Mask = std::conditional_t<
-        lanes <= 8, std::uint8_t,
-        std::conditional_t<lanes <= 16, std::uint16_t, std::conditional_t<lanes <= 32, std::uint32_t, std::uint64_t>>>;
-    static_assert(lanes <= 64);
+    using Mask =
+        std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t, std::uint32_t>>;
     const auto limit = hn::Set(d, threshold);
     const auto greatest = hn::Set(d, std::numeric_limits<T>::max()),
                least = hn::Set(d, std::numeric_limits<T>::lowest());
     auto up = greatest, down = least;
-    for (std::size_t w = 0; w < words; ++w) {
+    const auto wordOf = [&](const T* HWY_RESTRICT from, std::size_t count) HWY_ATTR {
         std::uint64_t word = 0;
-        for (std::size_t i = 0; i < 64; i += lanes) {
-            const auto sample = hn::Load(d, samples + 64 * w + i);
+        for (std::size_t i = 0; i < count; i += lanes) {
+            const auto sample = hn::Load(d, from + i);
             const auto isBelow = hn::Lt(sample, limit);
             up = hn::Min(up, hn::IfThenElse(isBelow, greatest, sample));
             down = hn::Max(down, hn::IfThenElse(isBelow, sample, least));
@@ -93,10 +93,14 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::size_t words, st
                 bits &= static_cast<Mask>((1u << lanes) - 1);
             word |= std::uint64_t{bits} << i;
         }
-        above[w] = ~word;
-    }
+        return ~word;
+    };
+    for (std::size_t w = 0; w < kSamples / (2 * kHalf); ++w)
+        above[w] = wordOf(samples + 2 * kHalf * w, 2 * kHalf);
+    if constexpr (kSamples % (2 * kHalf) != 0)
+        above[kSamples / (2 * kHalf)] = static_cast<std::uint32_t>(wordOf(samples + kSamples - kHalf, kHalf));
     // Lane by lane: reductions of some types are missing in some sets, and this is once in many samples.
-    alignas(64) T ups[64], downs[64];
+    alignas(64) T ups[kHalf], downs[kHalf];
     hn::Store(up, d, ups);
     hn::Store(down, d, downs);
     for (std::size_t half = lanes / 2; half > 0; half /= 2)
@@ -158,7 +162,7 @@ HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, Classif
 template <class T>
 void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before,
                        ClassifiedBrick<T>& out) {
-    findSigns(samples, threshold, kBitWords, out.above.words.data(), out.up, out.down);
+    findSigns<kKeptPoints>(samples, threshold, out.above.words.data(), out.up, out.down);
     finish(masks, before, out);
 }
 
@@ -171,7 +175,7 @@ void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMa
         finish(m, b, out); \
     } \
     void classifyLeafEdges##Name(const LeafEdgeSamples<Stored>& e, Stored t, ClassifiedLeafEdges<Stored>& out) { \
-        findSigns(e.samples.data(), t, out.above.size(), out.above.data(), out.up, out.down); \
+        findSigns<LeafEdgeSamples<Stored>::kCount>(e.samples.data(), t, out.above.data(), out.up, out.down); \
     }
 ISO_FOR_EACH_STORED_TYPE(ISO_CLASSIFY)
 #undef ISO_CLASSIFY
@@ -224,7 +228,7 @@ void classifyReference(const Stored* samples, Stored threshold, const BrickMasks
     out.above = {};
     out.up = std::numeric_limits<Stored>::max();
     out.down = std::numeric_limits<Stored>::lowest();
-    for (unsigned p = 0; p < kPaddedPoints; ++p) {
+    for (unsigned p = 0; p < kKeptPoints; ++p) {
         if (samples[p] >= threshold) {
             out.above.set(ClosedPoint(p));
             out.up = std::min(out.up, samples[p]);

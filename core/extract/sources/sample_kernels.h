@@ -25,7 +25,7 @@ struct ClassifiedBrick {
 };
 
 /// One pass over the samples, some over the bits. `before`: the signs that the brick had; null for a brick that had
-/// none, of which every cell has changed. `samples`: kPaddedPoints of them, those behind the last point repeat one of
+/// none, of which every cell has changed. `samples`: kKeptPoints of them, those behind the last point repeat one of
 /// the brick; 64-byte aligned.
 template <class Stored>
 void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,

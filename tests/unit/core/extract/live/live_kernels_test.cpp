@@ -48,7 +48,7 @@ const BrickMasks& innerMasks() {
 
 template <class Stored>
 struct alignas(64) Samples {
-    Stored values[kPaddedPoints];
+    Stored values[kKeptPoints];
 };
 
 // Noise, with ties at the threshold, all on one side, and extreme values.
@@ -116,7 +116,7 @@ template <class Stored>
 void expectOneLeafOfItsSamples(std::mt19937& random) {
     for (int round = 0; round < 50; ++round) {
         struct alignas(64) {
-            Stored values[kPaddedPoints];
+            Stored values[kKeptPoints];
         } brick;
         std::array<std::array<int, kPointSide>, 3> steps{};
         for (auto& along : steps) {
@@ -352,7 +352,7 @@ void expectPoints(std::mt19937& random) {
                         << dims[1] << " " << dims[2];
                 }
                 // What stands elsewhere disturbs no comparison.
-                const auto [least, greatest] = std::minmax_element(plain->samples, plain->samples + kPaddedPoints);
+                const auto [least, greatest] = std::minmax_element(plain->samples, plain->samples + kKeptPoints);
                 for (const auto sample : fast->samples) {
                     ASSERT_GE(sample, *least);
                     ASSERT_LE(sample, *greatest);

@@ -17,7 +17,7 @@ namespace isoslider::extract {
 namespace {
 
 struct alignas(64) FieldSamples {
-    float values[kPaddedPoints];
+    float values[kKeptPoints];
 };
 
 /// A plane with waves and noise on it.
@@ -31,7 +31,7 @@ FieldSamples fieldOf(std::mt19937& random, float waves, float noise) {
         samples.values[p] =
             a * x + b * y + c * z + waves * std::sin(0.9f * x + 0.7f * y - z + phase) + noise * around(random);
     }
-    std::fill(samples.values + kClosedPoints, samples.values + kPaddedPoints, samples.values[0]);
+    std::fill(samples.values + kClosedPoints, samples.values + kKeptPoints, samples.values[0]);
     return samples;
 }
 
