@@ -14,8 +14,8 @@
 #include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
 #include "core/grid/edge_cells.h"
+#include "core/grid/gradient.h"
 #include "core/grid/normal_codec.h"
-#include "core/grid/point_normals.h"
 
 namespace isoslider::extract {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -91,6 +92,14 @@ inline NormalCode normalOfGradient(const glm::vec3& gradient) {
         u = folded;
     }
     return static_cast<NormalCode>(quantiseNormal(u) | quantiseNormal(v) << 8);
+}
+
+/// What differences along the axes are multiplied with: rounded alike wherever gradients are made.
+inline glm::vec3 inverseSpacingOf(const GridGeometry& geometry) {
+    glm::vec3 inverse;
+    for (int a = 0; a < 3; ++a)
+        inverse[a] = static_cast<float>(1.0 / std::abs(geometry.spacing[a]));
+    return inverse;
 }
 
 } // namespace isoslider

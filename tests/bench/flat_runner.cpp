@@ -2,7 +2,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "core/grid/point_normals.h"
+#include "core/grid/gradient.h"
 #include "core/index/sample_store.h"
 #include "tests/bench/flat_baseline.h"
 #include "tests/bench/flat_changes.h"
@@ -36,7 +36,8 @@ struct PointsById {
                     const Sample sample = view.samples[view.offset(x, y, z)];
                     const std::size_t id = grid.pointId(x, y, z).index();
                     keys[id] = isMissing(sample) ? KeyOf<Sample>(0) : keyOf(sample);
-                    findNormals(view, {x, y, z}, {1, 1, 1}, inverseSpacing, &normals[id]);
+                    if (!isMissing(sample))
+                        normals[id] = normalOfGradient(gradientAt(view, x, y, z, inverseSpacing));
                 }
     }
 };

@@ -15,7 +15,7 @@
 #include "core/extract/merged/merged_polygon.h"
 #include "core/extract/vertex_fans.h"
 #include "core/grid/classification.h"
-#include "core/grid/point_normals.h"
+#include "core/grid/gradient.h"
 
 namespace isoslider::extract {
 namespace {

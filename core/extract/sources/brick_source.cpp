@@ -20,7 +20,7 @@
 #include "core/extract/live/stream_copy.h"
 #include "core/extract/sources/brick_scratch.h"
 #include "core/grid/classification.h"
-#include "core/grid/point_normals.h"
+#include "core/grid/gradient.h"
 
 namespace isoslider::extract {
 template <class Sample>
