@@ -72,7 +72,7 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RE
     constexpr std::size_t kHalf = 32;
     static_assert(kSamples % kHalf == 0);
     const hn::CappedTag<T, kHalf> d;
-    constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has less than one word's
+    constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has fewer
     // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
     using Mask =
         std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t, std::uint32_t>>;

@@ -30,15 +30,18 @@ public:
             return {}; // comparing more would name the same again
         const bool isEdges = reader_.info().kind == IndexKind::Edges;
         Level0Sums sums(reader_.grid().brickCount());
-        const bool comparesEdges = options_.volume && isEdges && !options_.isFull;
-        if (options_.isFull || comparesEdges)
+        bool comparesList = options_.volume && isEdges && !options_.isFull; // with the volume
+        if (options_.isFull || comparesList)
             ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));
         const SurveyOptions ofSamples{options_.memoryBytes, "the samples"},
             ofVolume{options_.memoryBytes, "the volume"};
-        bool areSamplesWhole = !comparesEdges;
-        if (options_.isFull)
-            ISO_TRY(checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0), areSamplesWhole));
-        if (options_.volume && !areSamplesWhole) // the list can be compared with the volume instead
+        if (options_.isFull) {
+            const auto areWhole = checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0));
+            if (!areWhole.isOk())
+                return areWhole.error();
+            comparesList = options_.volume && !areWhole.value();
+        }
+        if (comparesList)
             ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.8)));
         if (options_.volume)
             ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
@@ -100,20 +103,19 @@ private:
         return volume.geometry.dims == info.geometry.dims && volume.type == info.type;
     }
 
-    // `areWhole`: all chunks could be read.
-    Status checkStoredSamples(const Level0Sums& sums, const SurveyOptions& options, const JobControl& job,
-                              bool& areWhole) {
+    // Whether all chunks could be read.
+    Result<bool> checkStoredSamples(const Level0Sums& sums, const SurveyOptions& options, const JobControl& job) {
         const SampleStore store(reader_);
         std::atomic<bool> hasFailed = false;
         const ComparedVolume planes = storedPlanes(reader_, store, hasFailed);
         // With samples missing nothing would agree: what is wrong has been said.
         FaultList found(reader_, options_.mostFaults);
         ISO_TRY(surveySamples(reader_, planes, &sums, found, options, job));
-        areWhole = !hasFailed;
-        if (areWhole)
-            for (IndexFault& fault : found.take())
-                faults_.add(std::move(fault));
-        return {};
+        if (hasFailed)
+            return false;
+        for (IndexFault& fault : found.take())
+            faults_.add(std::move(fault));
+        return true;
     }
 
     const IndexReader& reader_;

@@ -128,7 +128,6 @@ void Session::forgetDataset() {
     topology_.clear();
     indexState_ = IndexState::None;
     dataset_.reset();
-    detail_.dropAdopted();
     lookedAt_.reset();
     grid_.reset();
     frame_.reset();
@@ -143,6 +142,7 @@ void Session::forgetDataset() {
     standIn_.reset();
     isFrameOfActive_ = true;
     surfaces_.clear();
+    detail_.dropAdopted(); // last: nothing is left to be made with another error
 }
 
 void Session::adopt(LoadedDataset loaded) {

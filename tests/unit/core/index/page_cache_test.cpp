@@ -1,5 +1,6 @@
 #include "core/index/page_cache.h"
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <thread>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/property/test_volumes.h"
+#include "tests/support/forged_index.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -122,6 +124,25 @@ TEST_F(PageCacheTest, GivesTotalsOfPagesThatAreTakenWhole) {
     EXPECT_EQ(sums, 1);
     Cache plain(*reader_, std::uint64_t{1} << 30);
     EXPECT_FALSE(plain.get(kLevel0, 3, Form::Totals).value().page->hasTotals);
+}
+
+// A walk that takes it whole would take what lies beyond, too.
+TEST_F(PageCacheTest, RefusesAPageWithRecordsOutsideItsRange) {
+    for (const bool isFirst : {true, false}) {
+        IndexMeta meta = reader_->meta();
+        auto& pages = meta.levels[0].pages;
+        const auto wide = std::find_if(pages.begin(), pages.end(),
+                                       [](const PageEntry& page) { return page.firstKey < page.lastKey; });
+        ASSERT_NE(wide, pages.end());
+        (isFirst ? wide->firstKey : wide->lastKey) = isFirst ? wide->lastKey : wide->firstKey;
+        const auto forged =
+            IndexReader::open(folder_.write("forged.isx", test::forgedIndex(test::readText(folder_ / "a.isx"), meta)));
+        ASSERT_THAT(forged, IsOk());
+        Cache cache(*forged.value(), std::uint64_t{1} << 30);
+        const auto page = static_cast<std::size_t>(wide - pages.begin());
+        EXPECT_THAT(cache.get(kLevel0, page), test::HasError(ErrorCode::Corruption)) << isFirst;
+        EXPECT_THAT(cache.get(kLevel0, page == 0 ? 1 : 0), IsOk());
+    }
 }
 
 // One that had the memory of records would count as much as these.

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/extract/slide_engine.h"
 #include "core/index/format/block_codec.h"
 #include "core/index/format/chunk_codec.h"
 #include "core/index/index_appendix.h"
@@ -396,6 +397,49 @@ TEST_P(Validation, FindsForgedSamples) {
     EXPECT_THAT(faultsOfForgery(forgery, volume()),
                 testing::ElementsAre(AllOf(HasSubstr("chunk 4 has other samples than the volume"),
                                            HasSubstr("grid points 16,16,0 to 31,19,15"))));
+}
+
+// Stored samples that cannot be read say nothing of the list; the volume does.
+TEST_P(Validation, ComparesTheListWithTheVolumeWhereSamplesAreDamaged) {
+    const auto path = build();
+    const auto grid = volume();
+    std::vector<float> samples(grid->values<float>().begin(), grid->values<float>().end());
+    samples[5000] = 29.0f;
+    const auto other =
+        std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<float>(grid->geometry(), grid->type(), samples));
+    const auto isTold =
+        Contains(HasSubstr(GetParam() == IndexKind::Edges ? "level 0 has other edges than the volume"
+                                                          : "level 0 has other bricks than the volume"));
+    EXPECT_THAT(faultsOf(path, true, other), testing::Not(isTold)) << "it has those of its samples";
+    const auto reader = IndexReader::open(path).value();
+    std::uint64_t bytesRead = 0;
+    const ChunkPlace chunk = SampleStore(*reader).find(ChunkIndex(4), bytesRead).value();
+    std::string bytes = test::readText(path);
+    bytes[chunk.offset + 3] = static_cast<char>(~bytes[chunk.offset + 3]);
+    EXPECT_THAT(faultsOf(folder_.write("damaged.isx", bytes), true, other), isTold);
+    EXPECT_THAT(faultsOf(folder_ / "damaged.isx", true, grid), testing::Not(isTold));
+}
+
+// Edges are counted by brick, in whichever measure no cells are merged.
+TEST_P(Validation, MovesTellEdgesFromThoseOfOtherSamples) {
+    if (GetParam() != IndexKind::Edges)
+        GTEST_SKIP() << "say nothing of edges";
+    Forgery forgery;
+    forgery.samples = [](std::uint64_t chunk, std::vector<float>& samples) {
+        if (chunk == 0) // away from the missing sample, beside which there is no telling
+            samples[2 + 16 * (2 + 16 * 2)] = 25.0f;
+    };
+    EXPECT_THAT(faultsOfForgery(forgery), testing::Not(testing::IsEmpty()));
+    for (const auto measure : {extract::MergeBound::Measure::Scalar, extract::MergeBound::Measure::Distance}) {
+        const auto engine = extract::SlideEngine::open(folder_ / "forged.isx");
+        ASSERT_THAT(engine, IsOk());
+        engine.value()->setMergeBound({measure, 0.0});
+        std::string problem;
+        for (double isovalue = 0.5; isovalue < 25.0 && problem.empty(); ++isovalue)
+            if (const auto stats = engine.value()->slideTo(isovalue); !stats.isOk())
+                problem = stats.error().message;
+        EXPECT_THAT(problem, HasSubstr("its edges are not those of its samples"));
+    }
 }
 
 TEST_P(Validation, TellsVolumesApart) {
