@@ -12,26 +12,18 @@ void ChangePage<Key>::assign(const DecodedPage<Key>& page) {
     idsHigh.resize(count);
     rising.resize(count);
     falling.resize(count);
-    std::size_t record = 0, entry = 0;
+    std::size_t record = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const Key key = page.keys[i];
-        const unsigned mask = page.masks[i];
-        unsigned up = 0;
-        if (const std::uint8_t form = page.form(i); form == record_form::kPoint) {
-            for (unsigned left = mask; left != 0; left &= left - 1)
-                up |= page.farKeys[entry++] > key ? left & (0 - left) : 0u;
-            rising[record] = static_cast<std::uint8_t>(up);
-            falling[record] = static_cast<std::uint8_t>(mask & ~up);
-        } else {
-            const bool rises = page.farKeys[entry] > key; // the other end of its interval
-            entry += static_cast<std::size_t>(std::popcount(mask));
+        unsigned mask = page.masks[i], up = page.rising[i];
+        if (const std::uint8_t form = page.form(i); form != record_form::kPoint) {
             if (!record_form::isEdge(form))
                 continue;
-            const auto edge = static_cast<std::uint8_t>(2u << (2 * record_form::axisOf(form)));
-            rising[record] = rises ? edge : 0;
-            falling[record] = rises ? 0 : edge;
+            mask = 2u << (2 * record_form::axisOf(form));
+            up = up != 0 ? mask : 0;
         }
-        keys[record] = key;
+        rising[record] = static_cast<std::uint8_t>(up);
+        falling[record] = static_cast<std::uint8_t>(mask & ~up);
+        keys[record] = page.keys[i];
         idsLow[record] = static_cast<std::uint32_t>(page.ids[i]);
         idsHigh[record] = static_cast<std::uint16_t>(page.ids[i] >> 32);
         ++record;
@@ -60,13 +52,20 @@ std::size_t ChangePage<Key>::entriesOf(std::size_t begin, std::size_t end) const
 }
 
 template <class Key>
-void ChangePage<Key>::beginTotals(const ChangePage& records) {
+void ChangePage<Key>::assignTotals(const ChangePage& records, std::span<const BrickTotal> sums) {
+    assignTotals(sums);
     entries = records.entries;
     distinctKeys = records.keys.empty() ? 0 : 1;
     for (std::size_t i = 1; i < records.keys.size(); ++i)
         distinctKeys += records.keys[i] != records.keys[i - 1];
+}
+
+template <class Key>
+void ChangePage<Key>::assignTotals(std::span<const BrickTotal> sums) {
+    entries = sums.size();
+    distinctKeys = 0;
     hasTotals = true;
-    totals.clear();
+    totals.assign(sums.begin(), sums.end());
     keys.clear();
     idsLow.clear();
     idsHigh.clear();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/index/format/block_codec.h"
+#include "core/index/format/totals_page.h"
 
 namespace isoslider::index {
 
@@ -20,18 +21,12 @@ namespace isoslider::index {
 /// on a leaf edge is one upwards from its lower point; leaves are left out.
 template <class Key>
 struct ChangePage {
-    /// What a brick's count rises by when the isovalue rises past all records.
-    struct Total {
-        BrickIndex brick;
-        std::int32_t count;
-    };
-
     std::vector<Key> keys;
     std::vector<std::uint32_t> idsLow;
     std::vector<std::uint16_t> idsHigh;
     std::vector<std::uint8_t> rising, falling; ///< of the record's edges, as in a point record's mask
     std::size_t entries = 0; ///< set bits of both
-    std::vector<Total> totals; ///< where records are not kept
+    std::vector<BrickTotal> totals; ///< where records are not kept
     bool hasTotals = false;
     std::size_t distinctKeys = 0; ///< likewise; runs of equal ones in a page of a higher level
 
@@ -44,14 +39,16 @@ struct ChangePage {
     std::size_t memoryBytes() const {
         return keys.capacity() * sizeof(Key) + idsLow.capacity() * sizeof(std::uint32_t) +
                idsHigh.capacity() * sizeof(std::uint16_t) + rising.capacity() + falling.capacity() +
-               totals.capacity() * sizeof(Total);
+               totals.capacity() * sizeof(BrickTotal);
     }
     /// Set bits of records [begin, end).
     std::size_t entriesOf(std::size_t begin, std::size_t end) const;
     /// Reuses the memory of what was here before.
     void assign(const DecodedPage<Key>& page);
-    /// As `records`, but in place of these has room for their totals.
-    void beginTotals(const ChangePage& records);
+    /// What `records` add up to, in place of these. Reuses the memory of what was here before.
+    void assignTotals(const ChangePage& records, std::span<const BrickTotal> sums);
+    /// What an interval adds up to whose records nobody has.
+    void assignTotals(std::span<const BrickTotal> sums);
 };
 
 extern template struct ChangePage<std::uint16_t>;

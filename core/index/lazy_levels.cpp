@@ -1,89 +1,67 @@
 #include "core/index/lazy_levels.h"
 
 #include <algorithm>
-#include <bit>
 #include <exception>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "core/base/machine.h"
-#include "core/index/page_cache.h"
 
 namespace isoslider::index {
 namespace {
 
-constexpr std::size_t kPagePoints = 8192; // as in the levels of the file
-constexpr std::uint64_t kLeastGain = 8; // the part of its entries that a group must leave out
-
-template <class Key>
-PointRecord<Key> recordOf(const DecodedPage<Key>& page, std::size_t point, std::size_t entry) {
-    PointRecord<Key> record;
-    record.key = page.keys[point];
-    record.setId(PointId(page.ids[point]));
-    record.edgeMask = page.masks[point];
-    record.form = page.form(point);
-    for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry)
-        record.farKeys[std::countr_zero(rest)] = page.farKeys[entry];
-    return record;
-}
+constexpr std::uint64_t kLeastGain = 8; // the part of what its blocks have that a group must leave out
 
 } // namespace
 
-/// The records of a group on their way into the store.
+/// The totals of a group on their way into the store.
 template <class Key>
 class LazyLevels<Key>::Gathering {
 public:
-    Gathering(LevelStore& store, const BrickGrid& grid, std::uint64_t beginKey, std::uint64_t endKey,
-              std::uint64_t mostEntries)
-        : store_(store), grid_(grid), beginKey_(beginKey), endKey_(endKey), mostEntries_(mostEntries) {
-        records_.reserve(kBuildPoints);
-    }
+    Gathering(LevelStore& store, std::uint64_t most) : store_(store), most_(most) {}
 
     /// False: there is no room, or it is not worthwhile.
-    bool add(const DecodedPage<Key>& page) {
-        std::size_t entry = 0;
-        for (std::size_t i = 0; i < page.pointCount(); ++i) {
-            PointRecord<Key> record = recordOf(page, i, entry);
-            entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
-            record.edgeMask = maskWithoutRedundant(record, beginKey_, endKey_);
-            if (record.edgeMask == 0)
-                continue;
-            entries_ += static_cast<std::uint64_t>(std::popcount(record.edgeMask));
-            records_.push_back(record);
-            if (records_.size() == kBuildPoints && !flush())
+    bool add(std::span<const BrickTotal> totals) {
+        for (; !totals.empty(); totals = totals.subspan(std::min(totals.size(), kBuildTotals))) {
+            const auto part = totals.first(std::min(totals.size(), kBuildTotals));
+            if (totals_.size() + part.size() > kBuildTotals && !makeRoom())
                 return false;
+            totals_.insert(totals_.end(), part.begin(), part.end());
         }
-        return isWorthwhile();
-    }
-    bool flush() {
-        std::stable_sort(records_.begin(), records_.end(),
-                         [](const auto& a, const auto& b) { return a.id() < b.id(); });
-        for (std::size_t first = 0; first < records_.size(); first += kPagePoints) {
-            const auto part = std::span<const PointRecord<Key>>(records_).subspan(
-                first, std::min(kPagePoints, records_.size() - first));
-            std::uint32_t edges = 0;
-            for (const auto& record : part)
-                edges += static_cast<std::uint32_t>(std::popcount(record.edgeMask));
-            if (!store_.add(encodePage<Key>(part, PageOrder::Id, grid_), static_cast<std::uint32_t>(part.size()),
-                            edges))
-                return false;
-        }
-        records_.clear();
         return true;
     }
-    bool isWorthwhile() const { return entries_ <= mostEntries_; }
+    bool flush() {
+        combineTotals(totals_);
+        count_ += totals_.size();
+        if (!isWorthwhile())
+            return false;
+        for (std::span<const BrickTotal> rest = totals_; !rest.empty();) {
+            const auto part = rest.first(std::min(rest.size(), kMaxPageTotals));
+            if (!store_.add(encodeTotals(part), static_cast<std::uint32_t>(part.size())))
+                return false;
+            rest = rest.subspan(part.size());
+        }
+        totals_.clear();
+        return true;
+    }
+    bool isWorthwhile() const { return count_ <= most_; }
 
 private:
+    // Of a group with more bricks than that several pages have the same ones.
+    bool makeRoom() {
+        combineTotals(totals_);
+        return totals_.size() <= kBuildTotals / 2 || flush();
+    }
+
     LevelStore& store_;
-    const BrickGrid& grid_;
-    std::uint64_t beginKey_, endKey_, mostEntries_;
-    std::uint64_t entries_ = 0;
-    std::vector<PointRecord<Key>> records_;
+    std::uint64_t most_, count_ = 0;
+    std::vector<BrickTotal> totals_;
 };
 
 template <class Key>
-LazyLevels<Key>::LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes)
-    : reader_(reader), store_(reader, memoryBytes) {}
+LazyLevels<Key>::LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes, SumUp sumUp)
+    : reader_(reader), sumUp_(std::move(sumUp)), store_(reader, memoryBytes) {}
 
 template <class Key>
 LazyLevels<Key>::~LazyLevels() = default;
@@ -102,17 +80,20 @@ std::vector<BlockGroup> LazyLevels<Key>::groupsOf(std::uint64_t begin, std::uint
 }
 
 template <class Key>
-Status LazyLevels<Key>::load(const StoredPage& page, DecodedPage<Key>& decoded) const {
+Status LazyLevels<Key>::load(const StoredPage& page, std::vector<BrickTotal>& totals) const {
     thread_local std::vector<std::byte> bytes;
     ISO_TRY(store_.read(page, bytes));
-    return decodeStated(reader_, bytes, page.points, page.edges, decoded);
+    ISO_TRY(decodeTotals(bytes, reader_.grid(), totals, reader_.pathString()));
+    if (totals.size() != page.totals)
+        return makeError(ErrorCode::Corruption, "page of a lazy level disagrees with its table", reader_.pathString());
+    return {};
 }
 
 template <class Key>
 void LazyLevels<Key>::request(std::vector<BlockGroup> groups) {
     std::sort(groups.begin(), groups.end()); // by level
     const std::lock_guard lock(mutex_);
-    if (isStopped_ || groups.empty())
+    if (isStopped_ || !sumUp_ || groups.empty())
         return;
     wanted_ = std::move(groups);
     changed_.notify_all();
@@ -150,10 +131,8 @@ template <class Key>
 void LazyLevels<Key>::build(const BlockGroup& group, std::stop_token stop) {
     if (store_.find(group) || !store_.begin())
         return;
-    const auto& blocks = reader_.meta().levels.back().blocks;
     const std::uint64_t below = entriesOf(group);
-    Gathering gathering(store_, reader_.grid(), blocks[group.firstBlock()].firstKey,
-                        blocks[group.blockEnd() - 1].lastKey + 1, below - below / kLeastGain);
+    Gathering gathering(store_, below - below / kLeastGain);
     const bool isWhole = gather(group, gathering, stop) && gathering.flush();
     if (isWhole) {
         store_.finish(group, true);
@@ -164,10 +143,10 @@ void LazyLevels<Key>::build(const BlockGroup& group, std::stop_token stop) {
         store_.finish(group, false);
 }
 
-// From groups that are there already, as far as there are such: they have fewer entries than their blocks.
+// From groups that are there already, as far as there are such: they have less than their blocks.
 template <class Key>
 bool LazyLevels<Key>::gather(const BlockGroup& group, Gathering& gathering, std::stop_token stop) {
-    DecodedPage<Key> page;
+    std::vector<BrickTotal> totals;
     for (std::uint64_t half = 2 * group.index; half < 2 * group.index + 2; ++half) {
         const BlockGroup child{group.level - 1, half};
         const auto stored = child.level > 0 ? store_.find(child) : nullptr;
@@ -175,11 +154,11 @@ bool LazyLevels<Key>::gather(const BlockGroup& group, Gathering& gathering, std:
             for (const StoredPage& storedPage : stored->pages) {
                 if (stop.stop_requested())
                     return false;
-                if (!load(storedPage, page).isOk()) {
+                if (!load(storedPage, totals).isOk()) {
                     store_.forget(child);
                     return false;
                 }
-                if (!gathering.add(page))
+                if (!gathering.add(totals))
                     return false;
             }
             continue;
@@ -192,11 +171,18 @@ bool LazyLevels<Key>::gather(const BlockGroup& group, Gathering& gathering, std:
         const LevelDirectory& level = reader_.meta().levels.back();
         const BlockEntry& block = level.blocks[half];
         std::vector<std::byte> bytes;
+        DecodedPage<Key> page;
+        ChangePage<Key> records;
         for (std::uint64_t p = block.firstPage; p < block.firstPage + block.pageCount; ++p) {
             // What is damaged is found, and reported, by the walk.
             const PageEntry& entry = level.pages[p];
             if (stop.stop_requested() || !reader_.readPage(entry, bytes).isOk() ||
-                !decodeStated(reader_, bytes, entry.points, entry.edges, page).isOk() || !gathering.add(page))
+                !decodeStated(reader_, bytes, entry.points, entry.edges, page).isOk())
+                return false;
+            records.assign(page);
+            totals.clear();
+            sumUp_(records, totals);
+            if (!gathering.add(totals))
                 return false;
         }
     }

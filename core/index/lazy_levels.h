@@ -2,32 +2,34 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <stop_token>
 #include <thread>
 #include <vector>
 
-#include "core/index/format/block_codec.h"
 #include "core/index/level_store.h"
+#include "core/index/page_cache.h"
 
 namespace isoslider::index {
 
 /// Skip levels above those of the file, built when walks need them and kept (PAPER 2.1: they "may be computed in a lazy
-/// fashion"). Lazy level l has a group for each 2^l blocks of the file's highest level: what is left of their edges
-/// without those that have both ends in their common interval. A group that would not leave out an eighth of them is
-/// noted as not worthwhile, and its blocks are walked.
+/// fashion"). Lazy level l has a group for each 2^l blocks of the file's highest level: what their records add up to by
+/// brick. Walks take a group whole, so they need no records of it, and edges with both ends in its interval add up to
+/// nothing. A group that would not leave out an eighth of what its blocks have is noted as not worthwhile, and its
+/// blocks are walked.
 ///
 /// A separate thread builds them, one after the other, while walks go on over the blocks; LevelStore keeps them.
-/// Memory: pages of kBuildPoints records while a group is built, whatever its size. Any thread.
+/// Memory: kBuildTotals totals while a group is built, whatever its size. Any thread.
 template <class Key>
 class LazyLevels {
 public:
-    static constexpr std::size_t kBuildPoints = 1u << 16;
+    using SumUp = typename PageCache<Key>::SumUp;
+    static constexpr std::size_t kBuildTotals = 1u << 20;
 
-    /// `reader` must outlive this; `memoryBytes` as of LevelStore.
-    LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes);
+    /// `reader` must outlive this; `memoryBytes` as of LevelStore. `sumUp`: called by the thread that builds; without
+    /// it nothing is built.
+    LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes, SumUp sumUp);
     ~LazyLevels();
 
     /// Cuts blocks [begin, end) of the highest level into the largest groups, single blocks as groups of level 0.
@@ -36,7 +38,7 @@ public:
 
     std::shared_ptr<const StoredGroup> find(const BlockGroup& group) const { return store_.find(group); }
     /// Errors: IoError, Corruption: forget() the group then.
-    Status load(const StoredPage& page, DecodedPage<Key>& decoded) const;
+    Status load(const StoredPage& page, std::vector<BrickTotal>& totals) const;
     void forget(const BlockGroup& group) { store_.forget(group); }
 
     /// What a walk has missed is built next, the largest first, in place of what was asked for before and is not begun.
@@ -60,6 +62,7 @@ private:
     std::uint64_t entriesOf(const BlockGroup& group) const;
 
     const IndexReader& reader_;
+    SumUp sumUp_;
     LevelStore store_;
     std::mutex mutex_; ///< of what follows
     std::condition_variable_any changed_;

@@ -6,15 +6,15 @@
 
 #include "core/base/byte_codec.h"
 #include "core/base/folders.h"
-#include "core/index/format/block_codec.h"
+#include "core/index/format/totals_page.h"
 
 namespace isoslider::index {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kMagic = "ISOLEVEL";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kHeaderBytes = 88, kGroupHeaderBytes = 64, kTableEntryBytes = 20;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::size_t kHeaderBytes = 88, kGroupHeaderBytes = 64, kTableEntryBytes = 16;
 constexpr std::uint32_t kWorthwhile = 0, kNotWorthwhile = 1;
 constexpr std::uint64_t kLeastFileBound = std::uint64_t{16} << 20;
 constexpr std::uint64_t kLeftOnDisk = std::uint64_t{256} << 20; ///< free bytes that are not ours to take
@@ -73,11 +73,10 @@ std::optional<std::vector<StoredPage>> decodeTable(std::span<const std::byte> by
     std::uint64_t left = header.bodyBytes;
     for (StoredPage& page : pages) {
         page.bytes = in.get<std::uint32_t>();
-        page.points = in.get<std::uint32_t>();
-        page.edges = in.get<std::uint32_t>();
+        page.totals = in.get<std::uint32_t>();
         page.checksum = in.get<std::uint64_t>();
         page.offset = offset;
-        if (page.bytes > left || page.points > kMaxPagePoints)
+        if (page.bytes > left || page.totals > kMaxPageTotals)
             return std::nullopt;
         left -= page.bytes;
         offset += page.bytes;
@@ -291,11 +290,10 @@ bool LevelStore::begin() {
     return true;
 }
 
-bool LevelStore::add(std::span<const std::byte> bytes, std::uint32_t points, std::uint32_t edges) {
+bool LevelStore::add(std::span<const std::byte> bytes, std::uint32_t totals) {
     StoredPage page;
     page.bytes = static_cast<std::uint32_t>(bytes.size());
-    page.points = points;
-    page.edges = edges;
+    page.totals = totals;
     draftBytes_ += bytes.size();
     if (place_ == Place::Memory) {
         if (memoryBytes() + draftBytes_ > maxMemoryBytes_)
@@ -324,8 +322,7 @@ void LevelStore::finish(const BlockGroup& group, bool isWorthwhile) {
         ByteWriter out(table);
         for (const StoredPage& page : draft_) {
             out.put<std::uint32_t>(page.bytes);
-            out.put<std::uint32_t>(page.points);
-            out.put<std::uint32_t>(page.edges);
+            out.put<std::uint32_t>(page.totals);
             out.put<std::uint64_t>(page.checksum);
         }
         GroupHeader header;

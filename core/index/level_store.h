@@ -26,18 +26,18 @@ struct BlockGroup {
 /// Groups are no larger than 2^kMaxGroupLevel blocks.
 inline constexpr int kMaxGroupLevel = 12;
 
-/// One encoded page of a merged group, and what is stated of it.
+/// One encoded page of a merged group (totals_page.h), and what is stated of it.
 struct StoredPage {
     std::uint64_t number = 0; ///< no other page of the store has it, ever
     std::uint64_t offset = 0; ///< in the file
     std::shared_ptr<const std::vector<std::byte>> memory; ///< its bytes, where they are not in the file
     std::uint64_t checksum = 0;
-    std::uint32_t bytes = 0, points = 0, edges = 0;
+    std::uint32_t bytes = 0, totals = 0;
 };
 
 /// Blocks merged to one.
 struct StoredGroup {
-    std::vector<StoredPage> pages; ///< none: all in it is redundant
+    std::vector<StoredPage> pages; ///< none: all in it is redundant; their totals add up, whatever bricks they are of
     bool isWorthwhile = true; ///< otherwise it has no pages, and its blocks are as good
 };
 
@@ -64,7 +64,7 @@ public:
 
     /// Adds a group page by page. False: there is no room; the group must be abandoned.
     bool begin();
-    bool add(std::span<const std::byte> bytes, std::uint32_t points, std::uint32_t edges);
+    bool add(std::span<const std::byte> bytes, std::uint32_t totals);
     /// The group can be found from now on. REQUIRES: begin() and all add() have succeeded.
     void finish(const BlockGroup& group, bool isWorthwhile);
     void abandon();

@@ -23,11 +23,11 @@ Status decodeStated(const IndexReader& reader, std::span<const std::byte> bytes,
     const auto corrupt = [&](const char* problem) {
         return makeError(ErrorCode::Corruption, std::string("index page ") + problem, reader.pathString());
     };
-    if (!isPageOfVersion(reader.info(), page.hasNormals()))
+    if (!isPageOfVersion(reader.info(), page.hasNormals(), page.farEnds))
         return corrupt("is one of another format version");
     if (!page.forms.empty() && !(reader.info().mergeError > 0.0))
         return corrupt("is damaged: merged cells where there are none");
-    if (page.pointCount() != points || page.edgeCount() != edges)
+    if (page.pointCount() != points || page.entries != edges)
         return corrupt("disagrees with the directory");
     // A brick has one entry; whoever walks a list of bricks relies on it.
     if (reader.info().kind != IndexKind::Edges &&
@@ -70,13 +70,14 @@ Result<typename PageCache<Key>::Lookup> PageCache<Key>::get(SkipLevel level, std
 }
 
 template <class Key>
-Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(std::uint64_t number, std::uint64_t bytes,
-                                                                 const std::function<Status(DecodedPage<Key>&)>& load) {
+Result<typename PageCache<Key>::Lookup> PageCache<Key>::getOther(
+    std::uint64_t number, std::uint64_t bytes, const std::function<Status(std::vector<BrickTotal>&)>& load) {
     if (auto page = find(kOthers | number))
         return Lookup{std::move(page), 0};
-    thread_local DecodedPage<Key> decoded;
-    ISO_TRY(load(decoded));
-    std::shared_ptr<ChangePage<Key>> page = pageOf(decoded, Form::Totals);
+    thread_local std::vector<BrickTotal> totals;
+    ISO_TRY(load(totals));
+    std::shared_ptr<ChangePage<Key>> page = takeSpare(true);
+    page->assignTotals(totals);
     insert(kOthers | number, page);
     return Lookup{std::move(page), bytes};
 }
@@ -90,12 +91,11 @@ std::shared_ptr<ChangePage<Key>> PageCache<Key>::pageOf(const DecodedPage<Key>& 
         return page;
     }
     thread_local ChangePage<Key> records;
-    thread_local std::vector<typename ChangePage<Key>::Total> totals;
+    thread_local std::vector<BrickTotal> totals;
     records.assign(decoded);
     totals.clear();
     sumUp_(records, totals);
-    page->beginTotals(records);
-    page->totals.assign(totals.begin(), totals.end());
+    page->assignTotals(records, totals);
     return page;
 }
 

@@ -26,7 +26,7 @@ template <class Key>
 class PageCache {
 public:
     /// Adds up a page's records by brick.
-    using SumUp = std::function<void(const ChangePage<Key>& records, std::vector<typename ChangePage<Key>::Total>&)>;
+    using SumUp = std::function<void(const ChangePage<Key>& records, std::vector<BrickTotal>&)>;
     enum class Form : std::uint8_t { Records, Totals };
 
     /// `sumUp`: none, or called on any thread; without it there are no pages of totals.
@@ -40,10 +40,9 @@ public:
 
     /// Totals are records where there is no sumUp. Errors: IoError, Corruption.
     Result<Lookup> get(SkipLevel level, std::size_t pageIndex, Form form = Form::Records);
-    /// Of what lies elsewhere (LevelStore), by a number that no other such page has; `load` fills the page. As totals.
-    /// Errors: those of `load`.
+    /// Totals that lie elsewhere (LevelStore), by a number that no other such page has. Errors: those of `load`.
     Result<Lookup> getOther(std::uint64_t number, std::uint64_t bytes,
-                            const std::function<Status(DecodedPage<Key>&)>& load);
+                            const std::function<Status(std::vector<BrickTotal>&)>& load);
 
     std::uint64_t memoryBytes() const;
     void clear();

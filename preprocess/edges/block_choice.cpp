@@ -46,7 +46,8 @@ double bytesPerEntry(std::vector<index::PointRecord<Key>> sample, const BrickGri
             // As the histogram over span space counts them: an interval once for each end.
             entries += record.form == index::record_form::kPoint ? std::popcount(record.edgeMask) : 1;
         }
-        bytes += static_cast<double>(index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, grid).size());
+        bytes += static_cast<double>(
+            index::encodePage<std::uint32_t>(ranked, index::PageOrder::Value, index::FarEnds::Directions, grid).size());
     }
     return entries > 0.0 ? bytes / entries : 0.0;
 }

@@ -147,7 +147,7 @@ private:
     Result<index::IndexInfo> collectAndSort(std::int64_t firstLayer) {
         ISO_TRY(generateRecords(firstLayer));
         blockBegins_ = chooseBlocks(std::move(histograms_));
-        levels_.emplace(*writer_, grid_, blockBegins_);
+        levels_.emplace(*writer_, grid_, index::FarEnds::Directions, blockBegins_);
         return sortAndFinish({});
     }
 
@@ -259,7 +259,7 @@ private:
         for (auto& begins : blockBegins_)
             archive(begins);
         if (archive.isLoading())
-            levels_.emplace(*writer_, grid_, blockBegins_);
+            levels_.emplace(*writer_, grid_, index::FarEnds::Directions, blockBegins_);
         levels_->state(archive);
         distinct_.state(archive);
         archive(nextBin_);

@@ -275,7 +275,7 @@ private:
         const double points = static_cast<double>(pointCount(geometry_.dims)) / entryRatio;
         const BlockChoice choice =
             chooseBlocks(histogram, bins, options_.skipLevels, options_.redundancyThreshold, bytesPerEntry_, points);
-        LevelBuilder<Key> builder(writer, grid_, choice.begins);
+        LevelBuilder<Key> builder(writer, grid_, index::FarEnds::Directions, choice.begins);
         std::vector<Record> piece;
         constexpr std::size_t kPieceRecords = 1u << 14;
         for (const std::uint32_t i : sortedOrder()) {

@@ -174,9 +174,9 @@ private:
 };
 
 template <class Key>
-LevelBuilder<Key>::LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid,
+LevelBuilder<Key>::LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid, index::FarEnds farEnds,
                                 std::vector<std::vector<std::uint64_t>> blockBegins)
-    : writer_(writer), grid_(grid) {
+    : writer_(writer), grid_(grid), farEnds_(farEnds) {
     levels_.push_back(std::make_unique<Level>(index::kLevel0, std::vector<std::uint64_t>{}));
     for (auto& begins : blockBegins)
         levels_.push_back(std::make_unique<Level>(index::SkipLevel(levels_.size()), std::move(begins)));
@@ -219,7 +219,7 @@ Status LevelBuilder<Key>::encodeAndWrite() {
     tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
         if (!pages[i].records.empty())
             pages[i].bytes = index::encodePage<Key>(
-                pages[i].records, pages[i].level == index::kLevel0 ? PageOrder::Value : PageOrder::Id, grid_);
+                pages[i].records, pages[i].level == index::kLevel0 ? PageOrder::Value : PageOrder::Id, farEnds_, grid_);
     });
     for (const PendingPage<Key>& page : pages) {
         if (page.records.empty())

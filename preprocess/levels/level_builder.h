@@ -29,8 +29,9 @@ class LevelBuilder {
 public:
     using Record = index::PointRecord<Key>;
 
-    /// `blockBegins`: first keys of the blocks of levels 1, 2, … (chooseBlockBegins).
-    LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid,
+    /// `farEnds`: what pages state of them; `blockBegins`: first keys of the blocks of levels 1, 2, …
+    /// (chooseBlockBegins).
+    LevelBuilder(index::IndexWriter& writer, const BrickGrid& grid, index::FarEnds farEnds,
                  std::vector<std::vector<std::uint64_t>> blockBegins);
     ~LevelBuilder();
 
@@ -52,6 +53,7 @@ private:
 
     index::IndexWriter& writer_;
     const BrickGrid& grid_;
+    index::FarEnds farEnds_;
     std::vector<std::unique_ptr<Level>> levels_;
     std::uint64_t position_ = 0; ///< records of the stream so far
 };

@@ -62,7 +62,7 @@ Status writeBrickList(const BrickSpans<Key>& spans, const GridDims& dims, const 
         }
         ISO_TRY(sort.add(records));
     }
-    LevelBuilder<Key> builder(writer, grid,
+    LevelBuilder<Key> builder(writer, grid, index::FarEnds::Keys,
                               chooseBlockBegins(histogram, bins, options.skipLevels, options.redundancyThreshold));
     ISO_TRY(sort.drain([&](std::span<const index::PointRecord<Key>> records) { return builder.add(records); }, job));
     ISO_TRY(builder.finish());

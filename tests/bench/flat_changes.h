@@ -56,7 +56,7 @@ Status collectEdgeChanges(extract::BlockWalk<KeyOf<Sample>>& walk, const BrickGr
         static constexpr int kStride[3] = {1, 8, 64};
         for (std::size_t i = part.begin; i < part.end; ++i) {
             const PointId id = part.page.id(i);
-            const auto key = part.page.keys[i];
+            const auto key = keys[id.index()];
             const Live near = static_cast<Live>(sampleOfKey<Sample>(key));
             for (unsigned mask = part.page.rising[i] | part.page.falling[i]; mask != 0; mask &= mask - 1) {
                 const int e = std::countr_zero(mask), axis = e >> 1;

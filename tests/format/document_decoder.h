@@ -17,6 +17,7 @@ struct DocumentPoint {
     std::uint64_t id = 0;
     int mask = 0;
     int normal = -1; ///< -1: the page has none
+    int rising = -1; ///< directions; -1: far keys are stated
     std::vector<std::uint64_t> farKeys;
     std::vector<int> farNormals;
 };
@@ -31,13 +32,15 @@ public:
         const bool byId = number(18, 1) == 1;
         const std::uint64_t flags = number(19, 1), planes = number(20, 4);
         const int normalBytes = flags & 8 ? 0 : 2;
-        if (planes != static_cast<std::uint64_t>(2 * keyBytes + idBytes + 1 + 2 * normalBytes))
+        const bool hasDirections = (flags & 16) != 0;
+        const int directionBytes = hasDirections ? 1 : 0, farBytes = hasDirections ? 0 : keyBytes;
+        if (planes != static_cast<std::uint64_t>(keyBytes + idBytes + 1 + directionBytes + farBytes + 2 * normalBytes))
             return std::nullopt;
         tableAt_ = 32;
         dataAt_ = 32 + 4 * planes;
         const auto keys = column(points, keyBytes), ids = column(points, idBytes), masks = column(points, 1),
-                   normals = column(points, normalBytes), farKeys = column(edges, keyBytes),
-                   farNormals = column(edges, normalBytes);
+                   directions = column(points, directionBytes), normals = column(points, normalBytes),
+                   farKeys = column(edges, farBytes), farNormals = column(edges, normalBytes);
         if (!isGood_ || dataAt_ != page_.size())
             return std::nullopt;
 
@@ -57,6 +60,12 @@ public:
             point.mask = static_cast<int>(masks[i]);
             // Upward edges are known before the downward ones that are predicted from them.
             const std::size_t count = static_cast<std::size_t>(std::popcount(masks[i]));
+            if (hasDirections) {
+                point.rising = static_cast<int>(directions[i]);
+                edge += count;
+                out.push_back(std::move(point));
+                continue;
+            }
             point.farKeys.resize(count);
             point.farNormals.resize(normalBytes > 0 ? count : 0);
             for (int pass = 1; pass >= 0; --pass) {

@@ -26,7 +26,7 @@ namespace {
 using test::IsOk;
 
 // The bytes of a ```hex block of the document; a '#' begins a remark.
-constexpr int kPageExample = 1, kChunkExample = 2, kEarlierPageExample = 3;
+constexpr int kPageExample = 1, kChunkExample = 2, kPageOfVersion6Example = 3, kPageOfVersion4Example = 4;
 std::vector<std::byte> bytesOfWorkedExample(int wanted = kPageExample) {
     std::istringstream text(
         test::readText(std::filesystem::path(test::sourceFolder()) / "core/index/format/FORMAT.md"));
@@ -62,6 +62,7 @@ void expectSame(const DecodedPage<Key>& page, const std::vector<test::DocumentPo
         ASSERT_EQ(page.keys[i], point.key) << i;
         ASSERT_EQ(page.ids[i], point.id) << i;
         ASSERT_EQ(page.masks[i], point.mask) << i;
+        ASSERT_EQ(page.farEnds == FarEnds::Directions ? int{page.rising[i]} : -1, point.rising) << i;
         ASSERT_EQ(page.hasNormals() ? int{page.normals[i]} : -1, point.normal) << i;
         for (std::size_t k = 0; k < point.farKeys.size(); ++k, ++edge) {
             ASSERT_EQ(page.farKeys[edge], point.farKeys[k]) << i << " " << k;
@@ -70,29 +71,35 @@ void expectSame(const DecodedPage<Key>& page, const std::vector<test::DocumentPo
             }
         }
     }
-    EXPECT_EQ(edge, page.edgeCount());
+    EXPECT_EQ(edge, page.farKeys.size());
 }
 
-// As the text has it, and with normals as those of version 4 have it.
+// As the text has it: directions; with far keys as versions 5 and 6 have it, and with normals besides as version 4.
 TEST(FormatDocument, ExampleSaysWhatItsTextSays) {
-    const auto bytes = bytesOfWorkedExample();
-    ASSERT_EQ(bytes.size(), 81u);
+    const auto bytes = bytesOfWorkedExample(), ofVersion6 = bytesOfWorkedExample(kPageOfVersion6Example);
+    ASSERT_EQ(bytes.size(), 74u);
+    ASSERT_EQ(ofVersion6.size(), 81u);
     const auto points = test::DocumentDecoder(bytes).decode(512);
-    const auto earlier = test::DocumentDecoder(bytesOfWorkedExample(kEarlierPageExample)).decode(512);
-    ASSERT_TRUE(points.has_value() && earlier.has_value());
-    ASSERT_EQ(points->size(), earlier->size());
+    const auto withKeys = test::DocumentDecoder(ofVersion6).decode(512);
+    const auto withNormals = test::DocumentDecoder(bytesOfWorkedExample(kPageOfVersion4Example)).decode(512);
+    ASSERT_TRUE(points.has_value() && withKeys.has_value() && withNormals.has_value());
+    ASSERT_EQ(points->size(), withNormals->size());
     for (std::size_t i = 0; i < points->size(); ++i) {
-        EXPECT_EQ((*points)[i].key, (*earlier)[i].key);
-        EXPECT_EQ((*points)[i].id, (*earlier)[i].id);
-        EXPECT_EQ((*points)[i].mask, (*earlier)[i].mask);
-        EXPECT_EQ((*points)[i].farKeys, (*earlier)[i].farKeys);
+        for (const auto& other : {(*withKeys)[i], (*withNormals)[i]}) {
+            EXPECT_EQ((*points)[i].key, other.key);
+            EXPECT_EQ((*points)[i].id, other.id);
+            EXPECT_EQ((*points)[i].mask, other.mask);
+            EXPECT_EQ((*points)[i].rising, other.farKeys.front() > other.key ? other.mask : 0);
+        }
+        EXPECT_EQ((*withKeys)[i].farKeys, (*withNormals)[i].farKeys);
+        EXPECT_TRUE((*points)[i].farKeys.empty());
         EXPECT_EQ((*points)[i].normal, -1);
         EXPECT_TRUE((*points)[i].farNormals.empty());
     }
 }
 
 TEST(FormatDocument, ExampleOfVersion4SaysWhatItsTextSays) {
-    const auto bytes = bytesOfWorkedExample(kEarlierPageExample);
+    const auto bytes = bytesOfWorkedExample(kPageOfVersion4Example);
     ASSERT_EQ(bytes.size(), 117u);
     const auto points = test::DocumentDecoder(bytes).decode(512);
     ASSERT_TRUE(points.has_value());
@@ -118,11 +125,12 @@ TEST(FormatDocument, ExampleOfVersion4SaysWhatItsTextSays) {
 }
 
 TEST(FormatDocument, ExampleIsDecodedAlikeByTheProduct) {
-    for (const int example : {kPageExample, kEarlierPageExample}) {
+    for (const int example : {kPageExample, kPageOfVersion6Example, kPageOfVersion4Example}) {
         const auto bytes = bytesOfWorkedExample(example);
         DecodedPage<std::uint16_t> page;
         ASSERT_THAT(decodePage<std::uint16_t>(bytes, BrickGrid({2, 2, 2}), page, "FORMAT.md"), IsOk());
-        EXPECT_EQ(page.hasNormals(), example == kEarlierPageExample);
+        EXPECT_EQ(page.hasNormals(), example == kPageOfVersion4Example);
+        EXPECT_EQ(page.farEnds == FarEnds::Directions, example == kPageExample);
         const auto points = test::DocumentDecoder(bytes).decode(512);
         ASSERT_TRUE(points.has_value());
         expectSame(page, *points);
@@ -161,26 +169,28 @@ TEST(FormatDocument, ExampleIsWhatABuildWrites) {
     EXPECT_EQ(levels.size(), 1u) << "a single block over all values would hold nothing";
 }
 
-// A page with normals in an index of this version.
+// A page with normals, or with far keys of edges, in an index of this version.
 TEST(FormatDocument, PagesOfAnotherVersionAreRefused) {
-    const test::TemporaryFolder folder;
-    ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "good.isx"), IsOk());
-    const IndexMeta good = IndexReader::open(folder / "good.isx").value()->meta();
+    for (const int example : {kPageOfVersion4Example, kPageOfVersion6Example}) {
+        const test::TemporaryFolder folder;
+        ASSERT_THAT(test::buildIndexOf(exampleVolume(), folder / "good.isx"), IsOk());
+        const IndexMeta good = IndexReader::open(folder / "good.isx").value()->meta();
 
-    auto writer = IndexWriter::create(folder / "earlier_page.isx", 1);
-    ASSERT_THAT(writer, IsOk());
-    ASSERT_THAT(test::addBlankSamples<std::uint8_t>({2, 2, 2}, *writer.value()), IsOk());
-    ASSERT_THAT(writer.value()->addPage(kLevel0, good.levels[0].pages[0], bytesOfWorkedExample(kEarlierPageExample)),
-                IsOk());
-    ASSERT_THAT(writer.value()->finish(good), IsOk());
+        auto writer = IndexWriter::create(folder / "earlier_page.isx", 1);
+        ASSERT_THAT(writer, IsOk());
+        ASSERT_THAT(test::addBlankSamples<std::uint8_t>({2, 2, 2}, *writer.value()), IsOk());
+        ASSERT_THAT(writer.value()->addPage(kLevel0, good.levels[0].pages[0], bytesOfWorkedExample(example)), IsOk());
+        ASSERT_THAT(writer.value()->finish(good), IsOk());
 
-    ValidationOptions full;
-    full.isFull = true;
-    const auto report = validateIndex(folder / "earlier_page.isx", full);
-    ASSERT_THAT(report, IsOk());
-    EXPECT_TRUE(std::any_of(report.value().faults.begin(), report.value().faults.end(), [](const IndexFault& fault) {
-        return fault.problem.find("another format version") != std::string::npos;
-    }));
+        ValidationOptions full;
+        full.isFull = true;
+        const auto report = validateIndex(folder / "earlier_page.isx", full);
+        ASSERT_THAT(report, IsOk());
+        EXPECT_TRUE(
+            std::any_of(report.value().faults.begin(), report.value().faults.end(), [](const IndexFault& fault) {
+                return fault.problem.find("another format version") != std::string::npos;
+            }));
+    }
 }
 
 TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
@@ -194,9 +204,9 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         return value;
     };
     EXPECT_EQ(file.substr(0, 12), std::string("ISOSLIDE\r\n\x1a\n"));
-    EXPECT_EQ(number(12, 2), 6u);
+    EXPECT_EQ(number(12, 2), 7u);
     EXPECT_EQ(number(14, 2), 0u);
-    const std::size_t metaAt = 64 + 10 + 10 + 81;
+    const std::size_t metaAt = 64 + 10 + 10 + 74;
     EXPECT_EQ(number(16, 8), metaAt) << "meta follows the only chunk, its group's table and the only page";
     EXPECT_EQ(number(16, 8) + number(24, 8), file.size());
     EXPECT_EQ(number(40, 8), file.size());
@@ -207,11 +217,14 @@ TEST(FormatDocument, PreambleFieldsAreWhereTheTableSays) {
         EXPECT_EQ(number(metaAt + 2 + 8 * axis, 8), 2u);
 }
 
-// Both orders, all plane modes and flags: whatever these volumes bring about.
+// Both orders, all plane modes and kinds: whatever these volumes bring about.
 template <class Sample>
-void expectDocumentReadsAllPages(const std::shared_ptr<const ScalarGrid>& volume, int& compressed, int& mirrored) {
+void expectDocumentReadsAllPages(const std::shared_ptr<const ScalarGrid>& volume, IndexKind kind, int& compressed,
+                                 int& flags) {
     const test::TemporaryFolder folder;
-    ASSERT_THAT(test::buildIndexOf(volume, folder / "a.isx"), IsOk());
+    preprocess::BuildOptions options;
+    options.kind = kind;
+    ASSERT_THAT(test::buildIndexOf(volume, folder / "a.isx", options), IsOk());
     const auto opened = IndexReader::open(folder / "a.isx");
     ASSERT_THAT(opened, IsOk());
     const IndexReader& reader = *opened.value();
@@ -224,22 +237,44 @@ void expectDocumentReadsAllPages(const std::shared_ptr<const ScalarGrid>& volume
             const auto points = test::DocumentDecoder(bytes).decode(reader.grid().idCount());
             ASSERT_TRUE(points.has_value());
             expectSame(page, *points);
-            mirrored |= static_cast<int>(bytes[19]);
+            flags |= static_cast<int>(bytes[19]);
             for (std::uint32_t plane = 0; plane < static_cast<std::uint32_t>(bytes[20]); ++plane)
                 compressed += static_cast<int>(bytes[32 + 4 * plane + 3]) >> 6 == 2;
         }
 }
 
 TEST(FormatDocument, ReadsEveryPageOfRealIndices) {
-    int compressed = 0, flags = 0;
-    expectDocumentReadsAllPages<std::uint16_t>(test::hillsVolume({40, 33, 21}), compressed, flags);
-    EXPECT_GT(compressed, 0);
-    EXPECT_EQ(flags, 1 + 8) << "no page of a smooth volume is predicted by mirroring";
-    expectDocumentReadsAllPages<std::uint8_t>(test::noiseVolume({19, 17, 18}, 7), compressed, flags);
-    const auto waves = test::makeVolume<double>(ScalarType::F64, test::cubeGeometry(14), [](auto x, auto y, auto z) {
-        return std::sin(0.7 * static_cast<double>(x)) - 1e-3 * static_cast<double>(y * z);
-    });
-    expectDocumentReadsAllPages<double>(waves, compressed, flags);
+    for (const IndexKind kind : {IndexKind::Edges, IndexKind::Metacells}) {
+        int compressed = 0, flags = 0;
+        expectDocumentReadsAllPages<std::uint16_t>(test::hillsVolume({40, 33, 21}), kind, compressed, flags);
+        EXPECT_EQ(flags, kind == IndexKind::Edges ? 8 + 16 : 8);
+        expectDocumentReadsAllPages<std::uint8_t>(test::noiseVolume({19, 17, 18}, 7), kind, compressed, flags);
+        const auto waves =
+            test::makeVolume<double>(ScalarType::F64, test::cubeGeometry(14), [](auto x, auto y, auto z) {
+                return std::sin(0.7 * static_cast<double>(x)) - 1e-3 * static_cast<double>(y * z);
+            });
+        expectDocumentReadsAllPages<double>(waves, kind, compressed, flags);
+        if (kind == IndexKind::Edges) {
+            EXPECT_GT(compressed, 0);
+        }
+    }
+}
+
+// As versions 5 and 6 had it: predictions by mirroring are not made any more, and read.
+TEST(FormatDocument, ReadsPagesWithMirroredFarKeys) {
+    const auto opened = IndexReader::open(std::filesystem::path(test::sourceFolder()) / "tests/data/golden_v6.isx");
+    ASSERT_THAT(opened, IsOk());
+    const IndexReader& reader = *opened.value();
+    std::vector<std::byte> bytes;
+    DecodedPage<std::uint32_t> page;
+    for (const auto& level : reader.meta().levels)
+        for (const PageEntry& entry : level.pages) {
+            ASSERT_THAT(reader.readPage(entry, bytes), IsOk());
+            ASSERT_THAT(decodePage<std::uint32_t>(bytes, reader.grid(), page, "golden"), IsOk());
+            const auto points = test::DocumentDecoder(bytes).decode(reader.grid().idCount());
+            ASSERT_TRUE(points.has_value());
+            expectSame(page, *points);
+        }
 }
 
 } // namespace

@@ -28,7 +28,7 @@ using test::HasError;
 using test::IsOk;
 
 const std::filesystem::path kData = std::filesystem::path(test::sourceFolder()) / "tests/data";
-const std::filesystem::path kGolden = kData / "golden_v6.isx";
+const std::filesystem::path kGolden = kData / "golden_v7.isx";
 
 struct Golden {
     const char* name;
@@ -52,11 +52,20 @@ constexpr Golden kGoldenIndexes[] = {
      .unit = "mm",
      .hasTopology = true,
      .isOfThisVersion = false},
-    {.name = "golden_v6"},
-    {.name = "golden_v6_metacells", .kind = IndexKind::Metacells},
-    {.name = "golden_v6_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
-    {.name = "golden_v6_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
-    {.name = "golden_v6_2", .unit = "mm", .isResampled = true},
+    {.name = "golden_v6", .isOfThisVersion = false},
+    {.name = "golden_v6_metacells", .kind = IndexKind::Metacells, .isOfThisVersion = false},
+    {.name = "golden_v6_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}, .isOfThisVersion = false},
+    {.name = "golden_v6_1_topology",
+     .kind = IndexKind::Metacells,
+     .unit = "mm",
+     .hasTopology = true,
+     .isOfThisVersion = false},
+    {.name = "golden_v6_2", .unit = "mm", .isResampled = true, .isOfThisVersion = false},
+    {.name = "golden_v7"},
+    {.name = "golden_v7_metacells", .kind = IndexKind::Metacells},
+    {.name = "golden_v7_merged", .mergeError = {extract::MergeBound::Measure::Scalar, 30.0}},
+    {.name = "golden_v7_1_topology", .kind = IndexKind::Metacells, .unit = "mm", .hasTopology = true},
+    {.name = "golden_v7_2", .unit = "mm", .isResampled = true},
 };
 
 // Never to be changed: the golden file is of this volume.

@@ -6,8 +6,9 @@ the zstd program. It shares nothing with the one in C++: where both agree, the d
     read_index.py INDEX edges            each edge of level 0: x y z axis lower upper (of an index of edges)
     read_index.py INDEX bricks           each brick of level 0: x y z least greatest (of metacells)
     read_index.py INDEX records LEVEL    all of a level's pages, a line for each record: form, id and key, then of each
-                                         entry its edge number and key; numbers only. In version 4 keys are
-                                         followed by normals
+                                         entry its edge number and key; numbers only. Where directions stand for
+                                         keys, 1 for an end with a greater key, else 0. In version 4 keys are followed
+                                         by normals
     read_index.py INDEX samples          the bytes of all samples, in hexadecimal digits, a line for each row
     read_index.py INDEX planes           bytes of each level's planes by column, as JSON
     read_index.py INDEX active VALUE...  active edges at isovalues, from edges or from samples, as JSON
@@ -73,7 +74,7 @@ class Index:
         if self.data[:12] != MAGIC:
             fail("not an index")
         self.major, self.minor, meta_at, meta_bytes, _, self.file_bytes, _, _ = struct.unpack_from("<HHQQQQQQ", self.data, 12)
-        if self.major not in (4, 5, 6):
+        if self.major not in (4, 5, 6, 7):
             fail("version %d" % self.major)
         self.read_meta(Fields(self.data[meta_at : meta_at + meta_bytes]))
 
@@ -149,16 +150,24 @@ class Index:
         return iter([next(unpacked) if part is None else part for part in parts])
 
     def page(self, entry):
-        """Records of a page: (key, id, form, {edge: far key}, normal, {edge: far normal}), normals only of earlier versions."""
+        """Records of a page: (key, id, form, {edge: far key, or direction}, normal, {edge: far normal}), normals only of
+        earlier versions."""
         data = self.data[entry[2] : entry[2] + entry[4]]
         points, edges, base, key_bytes, id_bytes, order, flags, planes = struct.unpack_from("<IIQBBBBI", data, 0)
         id_count = 512 * self.bricks[0] * self.bricks[1] * self.bricks[2]
         turned = 0 if flags & 8 else 2
         if self.major >= 5 and turned:
             fail("a page of version %d with normals" % self.major)
-        counts = [points] * (key_bytes + id_bytes + 1 + (flags >> 2 & 1) + turned) + [edges] * (key_bytes + turned)
-        if len(counts) != planes:
+        has_forms, has_directions = flags >> 2 & 1, flags >> 4 & 1
+        if has_directions != (self.kind == "edges" and self.major >= 7):
+            fail("directions or keys of far ends in another version")
+        far_width = 0 if has_directions and not has_forms else key_bytes
+        if key_bytes + id_bytes + 1 + has_forms + has_directions + turned + far_width + turned != planes:
             fail("number of planes")
+        # How many far keys there are follows from masks and forms where directions stand for those of points.
+        near = key_bytes + id_bytes + 1 + has_forms
+        far_count = self.far_count(data, planes, near, points, has_forms) if has_directions else edges
+        counts = [points] * (near + has_directions + turned) + [far_count] * far_width + [edges] * turned
         parts = self.planes(data, 32, counts)
 
         def column(width, count):
@@ -166,18 +175,25 @@ class Index:
             return [int.from_bytes(bytes(p[i] for p in cut), "little") for i in range(count)]
 
         keys, ids, masks = column(key_bytes, points), column(id_bytes, points), column(1, points)
-        forms = column(1, points) if flags & 4 else [0] * points
+        forms = column(1, points) if has_forms else [0] * points
+        rising = column(1, points) if has_directions else [0] * points
+
         def plus(a, b):
             return (a + b & 0xFF) | ((a >> 8) + (b >> 8) & 0xFF) << 8
 
         turns = column(turned, points)
-        far, bends = iter(column(key_bytes, edges)), iter(column(turned, edges))
+        far, bends = iter(column(far_width, far_count)), iter(column(turned, edges))
         modulus, records, key, point, normal = 1 << 8 * key_bytes, [], base, 0, 0
         for i in range(points):
             key = ((key if order == 0 else base) + keys[i]) % modulus
             point = (point + ids[i]) % id_count
             normal = plus(normal, turns[i]) if turned else None
             numbers = [e for e in range(6) if masks[i] >> e & 1]
+            if has_directions and forms[i] == 0:
+                if rising[i] & ~masks[i]:
+                    fail("directions of edges that are not there")
+                records.append((key, point, 0, {e: rising[i] >> e & 1 for e in numbers}, None, {}))
+                continue
             differences = {e: (lambda z: z >> 1 if z % 2 == 0 else -(z >> 1) - 1)(next(far)) for e in numbers}
             ends = {e: (key + d) % modulus for e, d in differences.items()}
             bent = {e: next(bends) for e in numbers} if turned else {}
@@ -192,6 +208,25 @@ class Index:
             records.append((key, point, forms[i], ends, normal, normals))
         return records
 
+    def far_count(self, data, planes, near, points, has_forms):
+        """Far keys of a page with directions: those of records of other forms."""
+        if not has_forms:
+            return 0
+        table = struct.unpack_from("<%dI" % planes, data, 32)
+        at = 32 + 4 * planes
+        spans = []
+        for word in table[:near]:
+            spans.append((at, word))
+            at += word & (1 << 30) - 1
+
+        def plane(at, word):
+            length, mode = word & (1 << 30) - 1, word >> 30
+            part = data[at : at + length]
+            return part * points if mode == 0 else part if mode == 1 else unpack_frames([part], [points])[0]
+
+        masks, forms = plane(*spans[near - 2]), plane(*spans[near - 1])
+        return sum(bin(mask).count("1") for mask, form in zip(masks, forms) if form != 0)
+
     def plane_bytes(self):
         """Encoded bytes of each level: by column, low byte first, and of heads and tables."""
         levels = []
@@ -200,7 +235,8 @@ class Index:
             for entry in level["page_entries"]:
                 key_bytes, id_bytes, _, flags, planes = struct.unpack_from("<BBBBI", self.data, entry[2] + 16)
                 names = ["keys"] * key_bytes + ["ids"] * id_bytes + ["masks"] + ["forms"] * (flags >> 2 & 1)
-                names += ["normals"] * (0 if flags & 8 else 2) + ["far keys"] * key_bytes + ["far normals"] * (0 if flags & 8 else 2)
+                names += ["directions"] * (flags >> 4 & 1) + ["normals"] * (0 if flags & 8 else 2)
+                names += ["far keys"] * (0 if flags & 20 == 16 else key_bytes) + ["far normals"] * (0 if flags & 8 else 2)
                 table = struct.unpack_from("<%dI" % planes, self.data, entry[2] + 32)
                 for name, word in zip(names, table):
                     sums[name] = sums.get(name, 0) + (word & (1 << 30) - 1)
@@ -214,12 +250,20 @@ class Index:
 
     def edges(self):
         """(x, y, z, axis, lower end's scalar, upper end's scalar), once for each edge."""
+        values = self.samples() if self.major >= 7 else None
+        steps = [1, self.dims[0], self.dims[0] * self.dims[1]]
         for key, point, form, ends, _, _ in self.records():
             if form != 0:
                 fail("has merged cells: its edges are intervals")
+            at = self.coords(point)
+            here = sum(a * b for a, b in zip(at, steps))
             for edge, far in ends.items():
-                if edge % 2 == 1:
-                    yield (*self.coords(point), edge // 2, self.scalar(key), self.scalar(far))
+                if edge % 2 == 0:
+                    continue
+                lower, upper = self.scalar(key), values[here + steps[edge // 2]] if values else self.scalar(far)
+                if values and (lower != values[here] or (upper > lower) != bool(far)):
+                    fail("an edge of other samples")
+                yield (*at, edge // 2, lower, upper)
 
     def brick_list(self):
         for key, point, _, ends, _, _ in self.records():

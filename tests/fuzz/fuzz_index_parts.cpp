@@ -18,10 +18,11 @@ void decodePages(std::span<const std::byte> bytes, const GridDims& dims) {
     const Status status = index::decodePage<KeyOf<Sample>>(bytes, grid, page, "input.isx");
     if (!status.isOk())
         return requireGoodError(status.error());
-    ISO_REQUIRE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
-                    (!page.hasNormals() ||
-                     (page.normals.size() == page.keys.size() && page.farNormals.size() == page.farKeys.size())),
-                "");
+    ISO_REQUIRE(
+        page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
+            page.rising.size() == page.keys.size() &&
+            (!page.hasNormals() || (page.normals.size() == page.keys.size() && page.farNormals.size() == page.entries)),
+        "");
     const std::uint64_t points = grid.brickCount() * kBrickPoints;
     ISO_REQUIRE(std::ranges::all_of(page.ids, [&](std::uint64_t id) { return id < points; }), "");
 }

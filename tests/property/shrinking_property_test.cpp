@@ -63,24 +63,29 @@ std::vector<index::PointRecord<std::uint32_t>> recordsIn(const BrickGrid& grid, 
     return records;
 }
 
-RC_GTEST_PROP(BlockCodecProperty, GivesBackEveryRecord, (bool byValue)) {
+RC_GTEST_PROP(BlockCodecProperty, GivesBackEveryRecord, (bool byValue, bool withKeys)) {
     const BrickGrid grid({11, 9, 17});
     const auto order = byValue ? index::PageOrder::Value : index::PageOrder::Id;
+    const auto farEnds = withKeys ? index::FarEnds::Keys : index::FarEnds::Directions;
     const auto records = recordsIn(grid, order);
     RC_PRE(!records.empty());
-    const auto bytes = index::encodePage<std::uint32_t>(records, order, grid);
+    const auto bytes = index::encodePage<std::uint32_t>(records, order, farEnds, grid);
     index::DecodedPage<std::uint32_t> page;
     RC_ASSERT(index::decodePage<std::uint32_t>(bytes, grid, page, "memory").isOk());
     RC_ASSERT(page.pointCount() == records.size());
+    const auto least = std::min_element(records.begin(), records.end(), [](const auto& a, const auto& b) {
+                           return a.key < b.key;
+                       })->key;
     std::size_t edge = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
-        RC_ASSERT(page.keys[i] == records[i].key);
+        RC_ASSERT(page.keys[i] == (byValue || withKeys ? records[i].key : least));
         RC_ASSERT(page.ids[i] == records[i].id().number());
         RC_ASSERT(page.masks[i] == records[i].edgeMask);
         for (int e = 0; e < index::kPointEdges; ++e) {
             if (!(records[i].edgeMask >> e & 1))
                 continue;
-            RC_ASSERT(page.farKeys[edge++] == records[i].farKeys[e]);
+            RC_ASSERT((page.rising[i] >> e & 1) == (records[i].farKeys[e] > records[i].key ? 1 : 0));
+            RC_ASSERT(!withKeys || page.farKeys[edge++] == records[i].farKeys[e]);
         }
     }
 }

@@ -30,8 +30,8 @@ template <class Key>
 BlockWalk<Key>::BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes, SumUp sumUp)
     : reader_(reader),
       skipList_(reader.meta().levels),
-      cache_(reader, cacheBytes, std::move(sumUp)),
-      lazyLevels_(reader, cacheBytes / 4) {}
+      cache_(reader, cacheBytes, sumUp),
+      lazyLevels_(reader, cacheBytes / 4, std::move(sumUp)) {}
 
 // A page that fails may be gone around, one that could be read after all no longer is: a disk may have been out of
 // reach.
@@ -62,8 +62,9 @@ bool BlockWalk<Key>::isTakenWhole(const Task& task) const {
 template <class Key>
 Result<typename index::PageCache<Key>::Lookup> BlockWalk<Key>::getLazyPage(const Task& task) {
     const index::StoredPage& page = task.lazy->pages[task.page];
-    auto lookup = cache_.getOther(page.number, page.bytes,
-                                  [&](index::DecodedPage<Key>& decoded) { return lazyLevels_.load(page, decoded); });
+    auto lookup = cache_.getOther(page.number, page.bytes, [&](std::vector<index::BrickTotal>& totals) {
+        return lazyLevels_.load(page, totals);
+    });
     if (!lookup.isOk()) {
         lazyLevels_.forget(task.group);
         const std::lock_guard lock(damagedMutex_);

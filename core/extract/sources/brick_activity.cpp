@@ -54,8 +54,7 @@ void BrickActivity<Key>::add(const typename BlockWalk<Key>::Part& part) {
 }
 
 template <class Key>
-void BrickActivity<Key>::sumUp(const index::ChangePage<Key>& page,
-                               std::vector<typename index::ChangePage<Key>::Total>& totals) {
+void BrickActivity<Key>::sumUp(const index::ChangePage<Key>& page, std::vector<index::BrickTotal>& totals) {
     std::unique_ptr<BrickDeltas> sums = pool_.take();
     addRecords({page, 0, page.recordCount()}, *sums);
     sums->forEach([&](BrickIndex brick, std::int32_t count) {

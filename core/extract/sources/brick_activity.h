@@ -49,7 +49,7 @@ public:
     /// Adds records of the walk, or totals. Any thread.
     void add(const typename BlockWalk<Key>::Part& part);
     /// What the records of a page add up to, in the order in which bricks come first. Any thread.
-    void sumUp(const index::ChangePage<Key>& page, std::vector<typename index::ChangePage<Key>::Total>& totals);
+    void sumUp(const index::ChangePage<Key>& page, std::vector<index::BrickTotal>& totals);
     /// Ends the walk: what it has changed, each brick once; those whose counts stay are left out. O(bricks it touched).
     std::vector<Change> changes();
 

@@ -27,11 +27,11 @@ template <class Sample>
 BrickSource<Sample>::BrickSource(const index::IndexReader& list, SampleReader<Sample>& samples,
                                  std::uint64_t cacheBytes, const MergeBound& listBound)
     : reader_(list),
+      isListOfEdges_(list.info().kind == index::IndexKind::Edges),
+      activity_(list.grid(), isListOfEdges_ ? BrickActivity<Key>::ListOf::Edges : BrickActivity<Key>::ListOf::Bricks),
       walk_(list, cacheBytes, [this](const auto& records, auto& totals) { activity_.sumUp(records, totals); }),
       samples_(samples),
       inverseSpacing_(inverseSpacingOf(list.info().geometry)),
-      isListOfEdges_(list.info().kind == index::IndexKind::Edges),
-      activity_(list.grid(), isListOfEdges_ ? BrickActivity<Key>::ListOf::Edges : BrickActivity<Key>::ListOf::Bricks),
       listBound_(listBound),
       slotOf_(list.grid().brickCount()),
       leavesOf_(list.grid().brickCount()),

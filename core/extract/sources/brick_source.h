@@ -173,12 +173,12 @@ private:
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
 
     const index::IndexReader& reader_;
-    BlockWalk<Key> walk_;
-    SampleReader<Sample>& samples_;
-    glm::vec3 inverseSpacing_;
     bool isListOfEdges_; ///< else of bricks
     BrickActivity<Key> activity_;
     bool hasCounts_ = false; ///< its counts are those of the position
+    BlockWalk<Key> walk_; ///< uses activity_, from a thread of its own too
+    SampleReader<Sample>& samples_;
+    glm::vec3 inverseSpacing_;
     MergeBound listBound_; ///< of the cells whose edges the list has
     ChunkedArray<std::uint32_t, 16> slotOf_; ///< by brick; one more than the slot, 0 for none
     std::vector<Watch> watch_; ///< by slot

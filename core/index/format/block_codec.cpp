@@ -15,12 +15,22 @@ namespace {
 constexpr std::size_t kPageHeaderBytes = 32;
 
 // Normals are read, of earlier versions, and not written.
-enum PageFlag : std::uint8_t { kSecondDifferences = 1, kMirroredNormals = 2, kForms = 4, kWithoutNormals = 8 };
-constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals | kForms | kWithoutNormals;
+enum PageFlag : std::uint8_t {
+    kSecondDifferences = 1,
+    kMirroredNormals = 2,
+    kForms = 4,
+    kWithoutNormals = 8,
+    kDirections = 16
+};
+constexpr std::uint8_t kKnownFlags = kSecondDifferences | kMirroredNormals | kForms | kWithoutNormals | kDirections;
 constexpr int kNormalBytes = sizeof(NormalCode);
 
+// Far keys are left out where no record has one.
+bool hasFarKeys(std::uint8_t flags) { return (flags & kDirections) == 0 || (flags & kForms) != 0; }
+
 int planeCount(int keyBytes, int idBytes, std::uint8_t flags) {
-    return 2 * keyBytes + idBytes + 1 + (flags & kForms ? 1 : 0) + (flags & kWithoutNormals ? 0 : 2 * kNormalBytes);
+    return keyBytes + idBytes + 1 + (flags & kForms ? 1 : 0) + (flags & kDirections ? 1 : 0) +
+           (hasFarKeys(flags) ? keyBytes : 0) + (flags & kWithoutNormals ? 0 : 2 * kNormalBytes);
 }
 
 int bytesFor(std::uint64_t largest) { return std::max(1, (static_cast<int>(std::bit_width(largest)) + 7) / 8); }
@@ -47,7 +57,7 @@ template <class Key>
 struct PageColumns {
     std::vector<Key> keys, farKeys, farKeysMirrored;
     std::vector<std::uint64_t> ids;
-    std::vector<std::uint8_t> masks, forms;
+    std::vector<std::uint8_t> masks, forms, rising;
     std::int64_t keyBitsSaved = 0; ///< by predicting from the opposite edge
 };
 
@@ -60,13 +70,15 @@ PageColumns<Key>& pageColumns() {
 // Residuals of what stands across the edges, against the point itself, and where both edges of an axis are there also
 // the lower one's against what the upper one suggests. Upward edges have odd numbers.
 template <class Key>
-void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key>& columns) {
+void findFarResiduals(std::span<const PointRecord<Key>> records, FarEnds farEnds, PageColumns<Key>& columns) {
     const std::size_t most = records.size() * kPointEdges;
     for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
         column->resize(most);
     columns.keyBitsSaved = 0;
     std::size_t n = 0;
-    for (const PointRecord<Key>& r : records)
+    for (const PointRecord<Key>& r : records) {
+        if (farEnds == FarEnds::Directions && r.form == record_form::kPoint)
+            continue;
         for (unsigned mask = r.edgeMask; mask != 0; mask &= mask - 1, ++n) {
             const int e = std::countr_zero(mask);
             const Key key = zigzag(static_cast<Key>(r.farKeys[e] - r.key));
@@ -78,14 +90,30 @@ void findFarResiduals(std::span<const PointRecord<Key>> records, PageColumns<Key
             columns.keyBitsSaved +=
                 static_cast<int>(std::bit_width(key)) - static_cast<int>(std::bit_width(mirroredKey));
         }
+    }
     for (auto* column : {&columns.farKeys, &columns.farKeysMirrored})
         column->resize(n);
+}
+
+// A page by id is taken whole: where an edge's other end lies need not be seen from its own key.
+bool statesKey(std::uint8_t form, PageOrder order, FarEnds farEnds) {
+    return order == PageOrder::Value || farEnds == FarEnds::Keys || form != record_form::kPoint;
+}
+
+// The edges of a point that rise.
+template <class Key>
+std::uint8_t risingEdges(const PointRecord<Key>& record) {
+    unsigned rising = 0;
+    for (int e = 0; e < kPointEdges; ++e)
+        rising |= unsigned{record.farKeys[e] > record.key} << e;
+    return static_cast<std::uint8_t>(rising & record.edgeMask);
 }
 
 } // namespace
 
 template <class Key>
-std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, const BrickGrid& grid) {
+std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, PageOrder order, FarEnds farEnds,
+                                  const BrickGrid& grid) {
     ISO_CHECK(!records.empty() && records.size() <= kMaxPagePoints);
     Key base = records.front().key;
     for (const PointRecord<Key>& r : records)
@@ -96,23 +124,29 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     columns.ids.clear();
     columns.masks.clear();
     columns.forms.clear();
+    columns.rising.clear();
     bool hasForms = false;
+    std::size_t entries = 0;
     Key previousKey = base;
     std::uint64_t previousId = 0;
     for (const PointRecord<Key>& r : records) {
-        columns.keys.push_back(static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base)));
+        columns.keys.push_back(statesKey(r.form, order, farEnds)
+                                   ? static_cast<Key>(r.key - (order == PageOrder::Value ? previousKey : base))
+                                   : Key(0));
         const std::uint64_t id = r.id().number();
         columns.ids.push_back(id >= previousId ? id - previousId : id + (idCount - previousId));
         columns.masks.push_back(r.edgeMask);
         columns.forms.push_back(r.form);
+        columns.rising.push_back(r.form == record_form::kPoint ? risingEdges(r) : std::uint8_t{0});
+        entries += static_cast<std::size_t>(std::popcount(r.edgeMask));
         hasForms = hasForms || r.form != record_form::kPoint;
         previousKey = r.key;
         previousId = id;
     }
-    findFarResiduals(records, columns);
+    findFarResiduals(records, farEnds, columns);
     const bool mirrorsKeys = columns.keyBitsSaved > 0;
-    const auto flags =
-        static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (hasForms ? kForms : 0) | kWithoutNormals);
+    const auto flags = static_cast<std::uint8_t>((mirrorsKeys ? kSecondDifferences : 0) | (hasForms ? kForms : 0) |
+                                                 kWithoutNormals | (farEnds == FarEnds::Directions ? kDirections : 0));
 
     constexpr int kKeyBytes = sizeof(Key);
     const int idBytes = bytesFor(idCount);
@@ -121,7 +155,7 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     bytes.reserve(records.size() * 20 + 512);
     ByteWriter header(bytes);
     header.put<std::uint32_t>(static_cast<std::uint32_t>(records.size()));
-    header.put<std::uint32_t>(static_cast<std::uint32_t>(columns.farKeys.size()));
+    header.put<std::uint32_t>(static_cast<std::uint32_t>(entries));
     header.put<std::uint64_t>(base);
     header.put<std::uint8_t>(kKeyBytes);
     header.put<std::uint8_t>(static_cast<std::uint8_t>(idBytes));
@@ -135,7 +169,10 @@ std::vector<std::byte> encodePage(std::span<const PointRecord<Key>> records, Pag
     writer.addColumn(columns.masks, 1);
     if (hasForms)
         writer.addColumn(columns.forms, 1);
-    writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
+    if (farEnds == FarEnds::Directions)
+        writer.addColumn(columns.rising, 1);
+    if (hasFarKeys(flags))
+        writer.addColumn(mirrorsKeys ? columns.farKeysMirrored : columns.farKeys, kKeyBytes);
     ISO_CHECK(writer.isComplete());
     return bytes;
 }
@@ -170,7 +207,7 @@ bool enclosesIntervals(const DecodedPage<Key>& page) {
                 std::max(lower, upper) < std::max(page.keys[i], other) || lower == upper)
                 return false;
         }
-        at += static_cast<std::size_t>(std::popcount(page.masks[i]));
+        at += page.hasFarKeys(i) ? static_cast<std::size_t>(std::popcount(page.masks[i])) : 0;
     }
     return true;
 }
@@ -210,18 +247,18 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
             return reader.corrupt("edge outside the grid");
         edges += static_cast<std::size_t>(std::popcount(page.masks[i]));
     }
-    if (edges != page.edgeCount())
+    if (edges != page.entries)
         return reader.corrupt("edge count");
     return {};
 }
 
-// Calls one(i, at) for each edge alone on its axis, and pair(i, at) where both of an axis are there: entry `at` is the
-// lower one, the next the upper.
+// Of records with far keys: calls one(i, at) for each edge alone on its axis, and pair(i, at) where both of an axis are
+// there: entry `at` is the lower one, the next the upper.
 template <class Key, class One, class Pair>
 void forEachEntry(const DecodedPage<Key>& page, const One& one, const Pair& pair) {
     std::size_t at = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i)
-        for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1) {
+        for (unsigned mask = page.hasFarKeys(i) ? page.masks[i] : 0; mask != 0; mask &= mask - 1) {
             const int e = std::countr_zero(mask);
             if ((e & 1) || !(mask >> (e + 1) & 1)) {
                 one(i, at++);
@@ -243,6 +280,44 @@ void restoreFarKeys(DecodedPage<Key>& page, bool areMirrored) {
             far[at] = static_cast<Key>(unzigzag(far[at]) + (areMirrored ? mirrored(key, upper) : key));
             far[at + 1] = upper;
         });
+}
+
+// Directions of records with far keys.
+template <class Key>
+void findRising(DecodedPage<Key>& page) {
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        if (!page.hasFarKeys(i))
+            continue;
+        const Key key = page.keys[i];
+        const std::uint8_t mask = page.masks[i];
+        unsigned rising = 0;
+        if (page.form(i) != record_form::kPoint) { // the first is the other end of its interval
+            rising = page.farKeys[at] > key ? mask : 0u;
+            at += static_cast<std::size_t>(std::popcount(mask));
+        } else {
+            for (unsigned left = mask; left != 0; left &= left - 1)
+                rising |= page.farKeys[at++] > key ? left & (0 - left) : 0u;
+        }
+        page.rising[i] = static_cast<std::uint8_t>(rising);
+    }
+}
+
+// How many far keys a page with directions has.
+template <class Key>
+std::size_t entriesOfForms(const DecodedPage<Key>& page) {
+    std::size_t entries = 0;
+    for (std::size_t i = 0; i < page.forms.size(); ++i)
+        entries += page.forms[i] != record_form::kPoint ? static_cast<std::size_t>(std::popcount(page.masks[i])) : 0;
+    return entries;
+}
+
+template <class Key>
+bool areDirectionsOfEdges(const DecodedPage<Key>& page) {
+    for (std::size_t i = 0; i < page.pointCount(); ++i)
+        if ((page.rising[i] & ~(page.form(i) == record_form::kPoint ? page.masks[i] : 0)) != 0)
+            return false;
+    return true;
 }
 
 template <class Key>
@@ -295,13 +370,23 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
     page.farNormals.clear();
     if (hasNormals)
         ISO_TRY(reader.readColumn(page.normals, points, kNormalBytes));
-    ISO_TRY(reader.readColumn(page.farKeys, edges, keyBytes));
+    page.farEnds = flags & kDirections ? FarEnds::Directions : FarEnds::Keys;
+    page.entries = edges;
+    page.rising.assign(points, 0);
+    if (flags & kDirections)
+        ISO_TRY(reader.readColumn(page.rising, points, 1));
+    page.farKeys.clear();
+    if (hasFarKeys(flags))
+        ISO_TRY(reader.readColumn(page.farKeys, flags & kDirections ? entriesOfForms(page) : edges, keyBytes));
     if (hasNormals)
         ISO_TRY(reader.readColumn(page.farNormals, edges, kNormalBytes));
     if (!reader.isAtEnd())
         return reader.corrupt("bytes after the last plane");
     ISO_TRY(restorePoints(page, static_cast<Key>(base), static_cast<PageOrder>(order), grid, reader));
+    if (!areDirectionsOfEdges(page))
+        return reader.corrupt("directions");
     restoreFarKeys(page, (flags & kSecondDifferences) != 0);
+    findRising(page);
     if (hasNormals)
         restoreNormals(page, (flags & kMirroredNormals) != 0);
     if (!enclosesIntervals(page))
@@ -309,9 +394,12 @@ Status decodePage(std::span<const std::byte> bytes, const BrickGrid& grid, Decod
     return {};
 }
 
-template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, const BrickGrid&);
-template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, const BrickGrid&);
-template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint16_t>>, PageOrder, FarEnds,
+                                           const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint32_t>>, PageOrder, FarEnds,
+                                           const BrickGrid&);
+template std::vector<std::byte> encodePage(std::span<const PointRecord<std::uint64_t>>, PageOrder, FarEnds,
+                                           const BrickGrid&);
 template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint16_t>&,
                            const std::string&);
 template Status decodePage(std::span<const std::byte>, const BrickGrid&, DecodedPage<std::uint32_t>&,

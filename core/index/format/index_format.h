@@ -9,16 +9,19 @@
 #include "core/base/result.h"
 #include "core/grid/brick_grid.h"
 #include "core/index/format/index_info.h"
+#include "core/index/format/point_record.h"
 #include "core/index/format/skip_level.h"
 
 namespace isoslider::index {
 
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
-inline constexpr std::uint16_t kFormatMajor = 6;
+inline constexpr std::uint16_t kFormatMajor = 7;
 inline constexpr std::uint16_t kFormatMinor = 2;
 /// Up to this version normals stood in the records of pages, those of far ends too.
 inline constexpr int kLastMajorWithNormals = 4;
+/// Up to this version pages of a list of edges stated the keys of far ends.
+inline constexpr int kLastMajorWithFarKeys = 6;
 inline constexpr std::size_t kPreambleBytes = 64;
 inline constexpr std::uint64_t kMaxMetaBytes = std::uint64_t{4} << 30;
 inline constexpr int kMaxSkipLevels = 8;
@@ -82,10 +85,14 @@ struct IndexMeta {
     std::vector<MissingCells> missingCells; ///< sorted by brick
 };
 
-/// Whether a page belongs to the index, by whether it has normals. Those of earlier versions may lack them: they mean
-/// nothing, and levels are built later, too.
-inline bool isPageOfVersion(const IndexInfo& info, bool hasNormals) {
-    return !hasNormals || info.formatMajor <= kLastMajorWithNormals;
+/// What pages of the index state of far ends. Lists of bricks, which are small, state keys.
+inline FarEnds farEndsOf(const IndexInfo& info) {
+    return info.kind == IndexKind::Edges && info.formatMajor > kLastMajorWithFarKeys ? FarEnds::Directions
+                                                                                     : FarEnds::Keys;
+}
+/// Whether a page belongs to the index, by what it has.
+inline bool isPageOfVersion(const IndexInfo& info, bool hasNormals, FarEnds farEnds) {
+    return (!hasNormals || info.formatMajor <= kLastMajorWithNormals) && farEnds == farEndsOf(info);
 }
 /// Not of a list of bricks.
 inline bool hasSampleChunks(const IndexInfo& info) { return info.kind != IndexKind::BrickList; }

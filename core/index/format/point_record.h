@@ -34,8 +34,9 @@ constexpr std::uint8_t maskOf(std::uint8_t form) {
 /// (PAPER 2: E+, E-, S+, S-). An edge belongs to E+ when the far scalar is greater (active just above p_j), to E- when
 /// it is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 ///
-/// DEVIATION from the paper, 2: there, records hold normals too, those of far ends with them. A point has up to six far
-/// ends and stands at several levels, so half of an index were normals; the samples, which are stored once, give them.
+/// DEVIATION from the paper, 2: there, records hold normals too, and scalars and normals of far ends. A point has up to
+/// six of them and stands at several levels, so they were nine tenths of an index. The samples, which are stored once,
+/// give them; of an edge a page states in which direction it goes (FarEnds).
 ///
 /// Of another form (record_form): `id` is the edge's lower point, or the merged cell's first one.
 template <class Key>
@@ -52,6 +53,12 @@ struct PointRecord {
         idLow = static_cast<std::uint32_t>(id.number());
         idHigh = static_cast<std::uint16_t>(id.number() >> 32);
     }
+};
+
+/// What a page states of far ends. Whoever walks needs no more than directions, and of edges the samples give the rest.
+enum class FarEnds : std::uint8_t {
+    Keys, ///< their keys
+    Directions, ///< of points only whether they are greater; of other forms their keys
 };
 
 /// The mask without edges whose far end lies in [begin, end): those are redundant in a block with

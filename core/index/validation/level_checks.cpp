@@ -22,6 +22,7 @@ struct PageFacts {
     bool isThere = false;
     std::uint64_t firstKey = 0, firstId = 0, lastKey = 0, lastId = 0; // of its first and last record
     std::uint64_t points = 0, edges = 0, activated = 0, distinctKeys = 0;
+    std::uint64_t lastStated = 0; // key, by the directory
 };
 
 /// Each page of all levels is decoded once, on any thread; what it adds up to is compared afterwards.
@@ -158,13 +159,15 @@ private:
             return {};
         }
         facts.isThere = true;
+        facts.lastStated = entry.lastKey;
         const auto refuse = [&](const char* problem) { faults_.add(pageFault(level, i, problem)); };
-        if (page.pointCount() != entry.points || page.edgeCount() != entry.edges)
+        if (page.pointCount() != entry.points || page.entries != entry.edges)
             refuse("has other counts than the directory states");
         const auto [least, greatest] = std::minmax_element(page.keys.begin(), page.keys.end());
-        if (*least != entry.firstKey || *greatest != entry.lastKey)
+        const bool hasAllKeys = level == 0 || page.farEnds == FarEnds::Keys;
+        if (*least != entry.firstKey || (hasAllKeys ? *greatest != entry.lastKey : *greatest > entry.lastKey))
             refuse("has other keys than the directory states");
-        if (!isPageOfVersion(meta_.info, page.hasNormals()))
+        if (!isPageOfVersion(meta_.info, page.hasNormals(), page.farEnds))
             refuse("is one of another format version");
         if (!page.forms.empty() && !(meta_.info.mergeError > 0.0))
             refuse("has merged cells where there are none");
@@ -183,11 +186,13 @@ private:
         std::atomic<std::uint64_t>* held =
             block ? &blocks_[level - 1][static_cast<std::size_t>(block - meta_.levels[level].blocks.data())].held
                   : nullptr;
+        if (block && facts.lastStated > block->lastKey)
+            problem = "has a record outside the interval of its block";
         const bool isStrict = !(meta_.info.mergeError > 0.0);
         std::size_t at = 0;
         for (std::size_t i = 0; i < page.pointCount(); ++i) {
             const Record record = recordAt(page, i, at);
-            at += static_cast<std::size_t>(std::popcount(record.mask));
+            at += page.hasFarKeys(i) ? static_cast<std::size_t>(std::popcount(record.mask)) : 0;
             if (i > 0) {
                 const bool isBehind = level == 0 && page.keys[i] > page.keys[i - 1];
                 if (!isBehind && (page.ids[i] < page.ids[i - 1] || (isStrict && page.ids[i] == page.ids[i - 1])))
@@ -197,14 +202,13 @@ private:
             if (const char* fault = block ? checkInBlock(record, *block) : checkAtLevel0(record))
                 problem = fault;
             countRecord(record, facts);
-            forEachEntry(record, [&](std::uint64_t farKey, std::uint64_t hash) {
-                if (held) {
-                    held->fetch_add(hash, std::memory_order_relaxed);
-                    return;
-                }
-                for (std::size_t above = 1; above < meta_.levels.size(); ++above)
-                    addWanted(above, record.key, farKey, hash);
-            });
+            const EntrySums sums = sumsOf(record);
+            if (held) {
+                held->fetch_add(sums.edges + sums.interval, std::memory_order_relaxed);
+                continue;
+            }
+            for (std::size_t above = 1; above < meta_.levels.size(); ++above)
+                addWanted(above, record, sums);
         }
         facts.points = page.pointCount();
         facts.distinctKeys += 1;
@@ -217,30 +221,50 @@ private:
 
     struct Record {
         std::uint64_t key, id;
-        std::uint8_t mask, form;
-        const Key* farKeys; // as many as the mask has bits
-        std::uint64_t otherEnd() const { return farKeys[0]; } // of forms above 0
+        std::uint8_t mask, rising, form;
+        bool isInterval; // of a brick, or of forms above 0: both ends have a record
+        const Key* farKeys; // of an interval as many as the mask has bits
+        std::uint64_t otherEnd() const { return farKeys[0]; }
     };
-    static Record recordAt(const DecodedPage<Key>& page, std::size_t i, std::size_t at) {
-        return {page.keys[i], page.ids[i], page.masks[i], page.form(i), page.farKeys.data() + at};
+    Record recordAt(const DecodedPage<Key>& page, std::size_t i, std::size_t at) const {
+        const bool isInterval = page.form(i) != record_form::kPoint || meta_.info.kind == IndexKind::Metacells;
+        return {page.keys[i], page.ids[i], page.masks[i],           page.rising[i],
+                page.form(i), isInterval,  page.farKeys.data() + at};
     }
 
-    // visit(far key, hash) of each edge that the record has, or once of an interval.
-    template <class Visit>
-    void forEachEntry(const Record& record, const Visit& visit) const {
-        if (record.form != record_form::kPoint) {
-            std::uint64_t hash = mixHash(mixHash(record.id, record.form), record.key);
+    // What a record adds to the sums of blocks.
+    struct EntrySums {
+        // Of edges with the sign of where they go, so that those with both ends in a block add up to nothing.
+        std::uint64_t edges = 0;
+        std::uint64_t interval = 0; // where the other end lies outside the block
+    };
+    EntrySums sumsOf(const Record& record) const {
+        EntrySums sums;
+        if (record.isInterval) {
+            sums.interval = mixHash(mixHash(record.id, record.form), record.key);
             for (int i = 0; i < std::popcount(record.mask); ++i)
-                hash = mixHash(hash, record.farKeys[i]);
-            visit(record.otherEnd(), hash);
-            return;
+                sums.interval = mixHash(sums.interval, record.farKeys[i]);
+            return sums;
         }
-        int at = 0;
-        for (unsigned mask = record.mask; mask != 0; mask &= mask - 1, ++at) {
-            const auto edge = static_cast<std::uint64_t>(std::countr_zero(mask));
-            std::uint64_t hash = mixHash(mixHash(record.id, 16 + edge), record.key);
-            visit(record.farKeys[at], mixHash(hash, record.farKeys[at]));
+        const auto point = grid_.pointCoords(PointId(record.id));
+        for (unsigned mask = record.mask; mask != 0; mask &= mask - 1) {
+            const int edge = std::countr_zero(mask);
+            sums.edges += signedHash(lowerEnd(record.id, point, edge), edge / 2, record.rising >> edge & 1);
         }
+        return sums;
+    }
+
+    // Of the two ends of an edge the sum is 0, if they say the same of it.
+    static std::uint64_t signedHash(std::uint64_t lowerId, int axis, bool rises) {
+        const std::uint64_t hash = mixHash(lowerId, static_cast<std::uint64_t>(16 + axis));
+        return rises ? hash : std::uint64_t{0} - hash;
+    }
+    std::uint64_t lowerEnd(std::uint64_t id, const std::array<std::int64_t, 3>& point, int edge) const {
+        if (edge & 1)
+            return id;
+        auto lower = point;
+        --lower[static_cast<std::size_t>(edge / 2)];
+        return grid_.pointId(lower[0], lower[1], lower[2]).number();
     }
 
     const BlockEntry& blockOfPage(std::size_t level, std::size_t page) const {
@@ -250,28 +274,28 @@ private:
         });
     }
 
-    const char* checkInBlock(const Record& record, const BlockEntry& block) const {
+    static const char* checkInBlock(const Record& record, const BlockEntry& block) {
         if (record.key < block.firstKey || record.key > block.lastKey)
             return "has a record outside the interval of its block";
-        const char* problem = nullptr;
-        forEachEntry(record, [&](std::uint64_t farKey, std::uint64_t) {
-            if (farKey >= block.firstKey && farKey <= block.lastKey)
-                problem = "has an entry that is redundant in its block";
-        });
-        return problem;
+        const bool isRedundant =
+            record.isInterval && record.otherEnd() >= block.firstKey && record.otherEnd() <= block.lastKey;
+        return isRedundant ? "has an entry that is redundant in its block" : nullptr;
     }
 
-    void addWanted(std::size_t level, std::uint64_t key, std::uint64_t farKey, std::uint64_t hash) {
+    void addWanted(std::size_t level, const Record& record, const EntrySums& sums) {
         const auto& blocks = meta_.levels[level].blocks;
-        const auto block =
-            std::partition_point(blocks.begin(), blocks.end(), [&](const BlockEntry& b) { return b.lastKey < key; });
-        if (block == blocks.end() || key < block->firstKey) {
+        const auto block = std::partition_point(blocks.begin(), blocks.end(),
+                                                [&](const BlockEntry& b) { return b.lastKey < record.key; });
+        if (block == blocks.end() || record.key < block->firstKey) {
             hasKeysOutside_ = true;
             return;
         }
-        if (farKey < block->firstKey || farKey > block->lastKey)
-            blocks_[level - 1][static_cast<std::size_t>(block - blocks.begin())].wanted.fetch_add(
-                hash, std::memory_order_relaxed);
+        std::atomic<std::uint64_t>& wanted =
+            blocks_[level - 1][static_cast<std::size_t>(block - blocks.begin())].wanted;
+        if (!record.isInterval)
+            wanted.fetch_add(sums.edges, std::memory_order_relaxed);
+        else if (record.otherEnd() < block->firstKey || record.otherEnd() > block->lastKey)
+            wanted.fetch_add(sums.interval, std::memory_order_relaxed);
     }
 
     const char* checkAtLevel0(const Record& record) {
@@ -282,11 +306,14 @@ private:
         if (meta_.info.kind == IndexKind::Metacells) {
             if (!std::has_single_bit(record.mask))
                 return "lists a brick without or with several entries";
-            const bool isLeast = record.key < record.otherEnd();
-            addEnd(record.id, isLeast,
-                   intervalHash(record.id, 0, std::min(record.key, record.otherEnd()),
-                                std::max(record.key, record.otherEnd())));
-            return record.key == record.otherEnd() ? "lists a brick with one value"
+            const std::uint64_t brick = record.id / kBrickPoints;
+            const std::uint64_t least = std::min(record.key, record.otherEnd()),
+                                greatest = std::max(record.key, record.otherEnd());
+            const std::uint64_t hash = intervalHash(record.id, least, greatest);
+            ends_.add(brick, record.rising != 0 ? hash : std::uint64_t{0} - hash);
+            if (record.rising != 0)
+                sums_.intervals.add(brick, hash);
+            return least == greatest               ? "lists a brick with one value"
                    : record.id % kBrickPoints != 0 ? "lists a point that is no brick"
                                                    : nullptr;
         }
@@ -297,58 +324,39 @@ private:
     const char* checkEdges(const Record& record) {
         const auto point = grid_.pointCoords(PointId(record.id));
         const char* problem = nullptr;
-        int at = 0;
-        for (unsigned mask = record.mask; mask != 0; mask &= mask - 1, ++at) {
+        for (unsigned mask = record.mask; mask != 0; mask &= mask - 1) {
             const int edge = std::countr_zero(mask), axis = edge / 2;
-            const bool isUp = edge & 1;
-            auto lower = point;
-            lower[static_cast<std::size_t>(axis)] -= isUp ? 0 : 1;
-            const std::uint64_t id = isUp ? record.id : grid_.pointId(lower[0], lower[1], lower[2]).number();
-            const std::uint64_t far = record.farKeys[at];
-            const std::uint64_t hash = intervalHash(id, axis, isUp ? record.key : far, isUp ? far : record.key);
-            addEnd(id, isUp, hash);
-            addToCurve(record.key, far);
-            if (far == record.key)
-                problem = "has an edge between equal samples";
-            else if (isUp && !missing_.isEdgeUsable(grid_, lower, axis))
+            const bool rises = record.rising >> edge & 1;
+            const std::uint64_t lower = lowerEnd(record.id, point, edge);
+            ends_.add(lower / kBrickPoints, signedHash(lower, axis, rises));
+            sums_.intervals.add(record.id / kBrickPoints, edgeEndHash(record.id, record.key, edge, rises));
+            addToCurve(record.key, rises);
+            if ((edge & 1) != 0 && !missing_.isEdgeUsable(grid_, point, axis))
                 problem = "has an edge of no cell with eight finite corners";
         }
         return problem;
     }
 
-    void addEnd(std::uint64_t id, bool isFirst, std::uint64_t hash) {
-        const std::uint64_t brick = id / kBrickPoints;
-        ends_.add(brick, isFirst ? hash : std::uint64_t{0} - hash);
-        if (isFirst)
-            sums_.intervals.add(brick, hash);
-    }
-
     // Of merged cells: an interval has a record at its lower and one at its upper key.
     void checkInterval(const Record& record) {
-        const bool isLower = record.key < record.otherEnd();
+        const bool isLower = record.rising != 0;
         std::uint64_t hash = mixHash(mixHash(record.id, record.form), std::min(record.key, record.otherEnd()));
         hash = mixHash(hash, std::max(record.key, record.otherEnd()));
         if (record_form::isEdge(record.form)) {
             for (int i = 1; i < 3; ++i)
                 hash = mixHash(hash, record.farKeys[i]);
-            addToCurve(record.key, record.otherEnd());
+            addToCurve(record.key, record.rising != 0);
         }
         ends_.add(record.id / kBrickPoints, isLower ? hash : std::uint64_t{0} - hash);
     }
 
-    void countRecord(const Record& record, PageFacts& facts) const {
-        const auto entries = static_cast<std::uint64_t>(std::popcount(record.mask));
-        facts.edges += entries;
-        if (record.form != record_form::kPoint) {
-            facts.activated += record.otherEnd() > record.key ? entries : 0;
-            return;
-        }
-        for (std::uint64_t i = 0; i < entries; ++i)
-            facts.activated += record.farKeys[i] > record.key ? 1 : 0;
+    static void countRecord(const Record& record, PageFacts& facts) {
+        facts.edges += static_cast<std::uint64_t>(std::popcount(record.mask));
+        facts.activated += static_cast<std::uint64_t>(std::popcount(record.rising));
     }
 
-    void addToCurve(std::uint64_t key, std::uint64_t farKey) {
-        curve_[thresholds_.firstAbove(key)].fetch_add(farKey > key ? 1 : -1, std::memory_order_relaxed);
+    void addToCurve(std::uint64_t key, bool rises) {
+        curve_[thresholds_.firstAbove(key)].fetch_add(rises ? 1 : -1, std::memory_order_relaxed);
     }
 
     void compareEnds() {

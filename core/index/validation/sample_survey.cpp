@@ -94,18 +94,19 @@ public:
 
 private:
     struct Counts {
-        explicit Counts(std::size_t bins) : histogram(bins), curve(bins + 1) {}
+        Counts(std::size_t bins, std::size_t levels) : histogram(bins), curve(bins + 1), entries(levels) {}
         std::uint64_t finite = 0;
         double min = std::numeric_limits<double>::infinity(), max = -min;
         std::vector<std::uint64_t> histogram;
         std::vector<std::int64_t> curve;
+        std::vector<std::uint64_t> entries; ///< that levels above 0 have of edges
     };
 
     Status pass(const JobControl& job, bool isFirst) {
         PlaneWindow<Sample> window(planes_);
         const GridDims& dims = grid_.dims();
         const std::int64_t layers = (dims[2] + kChunkSide - 1) / kChunkSide;
-        tbb::enumerable_thread_specific<Counts> counts(info_.histogram.counts.size());
+        tbb::enumerable_thread_specific<Counts> counts(info_.histogram.counts.size(), info_.levels.size());
         for (std::int64_t layer = 0; layer < layers; ++layer) {
             if (job.isStopRequested())
                 return cancelledError();
@@ -172,8 +173,28 @@ private:
             ++counts.curve[thresholds_.firstAbove(std::min<std::uint64_t>(key, otherKey))];
             --counts.curve[thresholds_.firstAbove(std::max<std::uint64_t>(key, otherKey))];
             if (info_.kind == IndexKind::Edges)
-                intervals_.add(id / kBrickPoints, intervalHash(id, axis, key, otherKey));
+                takeEdge({id, key}, {grid_.pointId(far[0], far[1], far[2]).number(), otherKey}, axis, counts);
         }
+    }
+
+    struct EdgeEnd {
+        std::uint64_t id, key;
+    };
+    void takeEdge(const EdgeEnd& lower, const EdgeEnd& upper, int axis, Counts& counts) {
+        const bool rises = upper.key > lower.key;
+        intervals_.add(lower.id / kBrickPoints, edgeEndHash(lower.id, lower.key, 2 * axis + 1, rises));
+        intervals_.add(upper.id / kBrickPoints, edgeEndHash(upper.id, upper.key, 2 * axis, !rises));
+        const auto [least, greatest] = std::minmax(lower.key, upper.key);
+        for (std::size_t level = 1; level < counts.entries.size(); ++level)
+            counts.entries[level] += isRedundant(level, least, greatest) ? 0 : 2;
+    }
+
+    // Whether a level has both keys in one block.
+    bool isRedundant(std::size_t level, std::uint64_t least, std::uint64_t greatest) const {
+        const auto& blocks = reader_.meta().levels[level].blocks;
+        const auto block =
+            std::partition_point(blocks.begin(), blocks.end(), [&](const BlockEntry& b) { return b.lastKey < least; });
+        return block != blocks.end() && block->firstKey <= least && greatest <= block->lastKey;
     }
 
     // The bin of FORMAT.md, in halves: max - min may overflow.
@@ -227,7 +248,7 @@ private:
                         greatest = std::max(greatest, keyOf(sample));
                     }
         if (least < greatest && hasEdge)
-            intervals_.add(brick.number(), intervalHash(pointIn(brick, LocalPoint()).number(), 0, least, greatest));
+            intervals_.add(brick.number(), intervalHash(pointIn(brick, LocalPoint()).number(), least, greatest));
     }
 
     void merge(const Counts& local) {
@@ -240,6 +261,9 @@ private:
             total_.histogram[b] += local.histogram[b];
         for (std::size_t b = 0; b < local.curve.size(); ++b)
             total_.curve[b] += local.curve[b];
+        total_.entries.resize(local.entries.size());
+        for (std::size_t level = 0; level < local.entries.size(); ++level)
+            total_.entries[level] += local.entries[level];
     }
 
     void compare() {
@@ -274,6 +298,20 @@ private:
                 fault.box = faults_.boxOfBricks(intervals_.firstBrick(part), intervals_.lastBrick(part));
                 faults_.add(std::move(fault));
             }
+        if (info_.kind == IndexKind::Edges)
+            compareEntries();
+    }
+
+    // Edges with both ends in one block add up to nothing: that a level has them shows by their number only.
+    void compareEntries() {
+        for (std::size_t level = 1; level < total_.entries.size(); ++level)
+            if (total_.entries[level] != info_.levels[level].edges) {
+                IndexFault fault;
+                fault.part = "level " + std::to_string(level);
+                fault.problem = "has " + std::to_string(info_.levels[level].edges) + " entries, not " +
+                                std::to_string(total_.entries[level]) + " as the edges of " + options_.origin;
+                faults_.add(std::move(fault));
+            }
     }
 
     const IndexReader& reader_;
@@ -288,7 +326,7 @@ private:
     PartSums intervals_;
     DistinctKeys<Sample> distinct_;
     bool countsEdges_;
-    Counts total_{0};
+    Counts total_{0, 0};
 };
 
 } // namespace

@@ -23,6 +23,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
+#include "tests/support/page_records.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_paths.h"
@@ -531,22 +532,15 @@ void writeSparseIndex(const std::filesystem::path& cornerIndex, const ScalarGrid
     const BrickGrid grid(dims);
     std::vector<std::byte> pageBytes;
     index::DecodedPage<std::uint16_t> decoded;
-    const auto* const page = &decoded;
     std::vector<index::PointRecord<std::uint16_t>> records;
     for (const index::PageEntry& place : corner.meta().levels[0].pages) {
         ASSERT_THAT(corner.readPage(place, pageBytes), IsOk());
         ASSERT_THAT(index::decodePage<std::uint16_t>(pageBytes, corner.grid(), decoded, "page"), IsOk());
-        std::size_t entry = 0;
-        for (std::size_t i = 0; i < page->pointCount(); ++i) {
-            index::PointRecord<std::uint16_t> record;
-            record.key = page->keys[i];
-            record.edgeMask = page->masks[i];
-            auto at = corner.grid().pointCoords(PointId(page->ids[i]));
+        for (auto record : test::recordsOf(decoded)) {
+            auto at = corner.grid().pointCoords(record.id());
             for (int a = 0; a < 3; ++a)
                 at[a] += dims[a] - corner.grid().dims()[a];
             record.setId(grid.pointId(at[0], at[1], at[2]));
-            for (unsigned rest = record.edgeMask; rest != 0; rest &= rest - 1, ++entry)
-                record.farKeys[std::countr_zero(rest)] = page->farKeys[entry];
             records.push_back(record);
         }
     }
@@ -573,7 +567,8 @@ void writeSparseIndex(const std::filesystem::path& cornerIndex, const ScalarGrid
                       index::kGroupChunks);
     for (const std::uint64_t group : around)
         meta.chunkGroups[group] = write(group);
-    const auto bytes = index::encodePage<std::uint16_t>(records, index::PageOrder::Value, grid);
+    const auto bytes =
+        index::encodePage<std::uint16_t>(records, index::PageOrder::Value, index::FarEnds::Directions, grid);
     index::PageEntry& entry = meta.levels[0].pages[0];
     entry.offset = writer.value()->sizeBytes();
     entry.bytes = static_cast<std::uint32_t>(bytes.size());

@@ -16,6 +16,7 @@
 #include "tests/property/surface_comparison.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/index_chunks.h"
+#include "tests/support/page_records.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -52,26 +53,31 @@ Record leafRecord(std::array<std::int64_t, 3> cell, int level) {
     return record;
 }
 
-Status decodeOne(const Record& record, DecodedPage<Key>& page) {
+Status decodeOne(const Record& record, DecodedPage<Key>& page, FarEnds farEnds = FarEnds::Directions) {
     const BrickGrid grid(kMergedDims);
-    return decodePage<Key>(encodePage<Key>(std::span(&record, 1), PageOrder::Value, grid), grid, page, "a.isx");
+    return decodePage<Key>(encodePage<Key>(std::span(&record, 1), PageOrder::Value, farEnds, grid), grid, page,
+                           "a.isx");
 }
 
 TEST(MergedRecords, GiveBackWhatTheyTook) {
     DecodedPage<Key> page;
-    for (const Record& record : {edgeRecord({4, 8, 16}, 1, 2), edgeRecord({1, 2, 3}, 0, 0), leafRecord({8, 8, 8}, 3)}) {
-        ASSERT_THAT(decodeOne(record, page), IsOk());
-        ASSERT_EQ(page.forms.size(), 1u);
-        EXPECT_EQ(page.forms[0], record.form);
-        EXPECT_EQ(page.ids[0], record.id().number());
-        EXPECT_EQ(page.keys[0], record.key);
-        EXPECT_EQ(page.masks[0], record.edgeMask);
-        EXPECT_EQ(page.farKeys[0], record.farKeys[record_form::kOtherEnd]);
-        if (!record_form::isEdge(record.form))
-            continue;
-        EXPECT_EQ(page.farKeys[1], 15);
-        EXPECT_EQ(page.farKeys[2], 33);
-    }
+    for (const FarEnds farEnds : {FarEnds::Keys, FarEnds::Directions})
+        for (const Record& record :
+             {edgeRecord({4, 8, 16}, 1, 2), edgeRecord({1, 2, 3}, 0, 0), leafRecord({8, 8, 8}, 3)}) {
+            ASSERT_THAT(decodeOne(record, page, farEnds), IsOk());
+            ASSERT_EQ(page.forms.size(), 1u);
+            EXPECT_EQ(page.forms[0], record.form);
+            EXPECT_EQ(page.ids[0], record.id().number());
+            EXPECT_EQ(page.keys[0], record.key);
+            EXPECT_EQ(page.masks[0], record.edgeMask);
+            EXPECT_EQ(page.entries, static_cast<std::size_t>(std::popcount(unsigned{record.edgeMask})));
+            EXPECT_EQ(page.farKeys[0], record.farKeys[record_form::kOtherEnd]);
+            EXPECT_EQ(page.rising[0], record_form::isEdge(record.form) ? record.edgeMask : 0);
+            if (!record_form::isEdge(record.form))
+                continue;
+            EXPECT_EQ(page.farKeys[1], 15);
+            EXPECT_EQ(page.farKeys[2], 33);
+        }
     Record point;
     point.setId(BrickGrid(kMergedDims).pointId(1, 1, 1));
     point.key = 5;
@@ -103,22 +109,6 @@ TEST(MergedRecords, AreRefusedWhereTheyCannotBe) {
         record.farKeys[record_form::kUpperEnd] = static_cast<Key>(upper);
         EXPECT_TRUE(refuses(record)) << lower << " " << upper << " do not enclose 20 to 30";
     }
-}
-
-std::vector<Record> recordsOf(const DecodedPage<Key>& page) {
-    std::vector<Record> records;
-    std::size_t entry = 0;
-    for (std::size_t i = 0; i < page.pointCount(); ++i) {
-        Record& record = records.emplace_back();
-        record.setId(PointId(page.ids[i]));
-        record.key = page.keys[i];
-        record.form = page.form(i);
-        record.edgeMask = page.masks[i];
-        for (int e = 0; e < kPointEdges; ++e)
-            if (record.edgeMask >> e & 1)
-                record.farKeys[e] = page.farKeys[entry++];
-    }
-    return records;
 }
 
 class MergedForgery : public testing::Test {
@@ -159,7 +149,7 @@ protected:
             ASSERT_THAT(reader.value()->readPage(entry, bytes), IsOk());
             DecodedPage<Key> page;
             ASSERT_THAT(decodePage<Key>(bytes, reader.value()->grid(), page, "good.isx"), IsOk());
-            std::vector<Record> records = recordsOf(page);
+            std::vector<Record> records = test::recordsOf(page);
             change(records);
             std::stable_sort(records.begin(), records.end(),
                              [](const auto& a, const auto& b) { return a.key < b.key; });
@@ -169,8 +159,9 @@ protected:
             entry.lastKey = records.back().key;
             for (const Record& record : records)
                 entry.edges += static_cast<std::uint32_t>(std::popcount(record.edgeMask));
-            ASSERT_THAT(writer.value()->addPage(kLevel0, entry,
-                                                encodePage<Key>(records, PageOrder::Value, reader.value()->grid())),
+            ASSERT_THAT(writer.value()->addPage(
+                            kLevel0, entry,
+                            encodePage<Key>(records, PageOrder::Value, FarEnds::Directions, reader.value()->grid())),
                         IsOk());
         }
         meta.info.levels.resize(1);

@@ -128,17 +128,16 @@ private:
 template <class Key>
 void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint64_t firstKey, std::uint64_t lastKey,
                  Switches& switches) {
-    std::size_t entry = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
         const auto p = grid.pointCoords(PointId(page.ids[i]));
         const std::uint8_t form = page.form(i);
         const bool isListed = page.keys[i] >= firstKey && page.keys[i] <= lastKey;
-        const auto add = [&](const Element& element, std::uint64_t far) {
+        const auto add = [&](const Element& element, bool rises) {
             if (!isListed)
                 return;
             // What leaves in a block and comes back in it is there twice.
             int& net = switches[element];
-            net += far > page.keys[i] ? 1 : -1;
+            net += rises ? 1 : -1;
             EXPECT_LE(std::abs(net), 1);
             if (net == 0)
                 switches.erase(element);
@@ -147,8 +146,7 @@ void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint6
             const int level = record_form::levelOf(form);
             add(record_form::isEdge(form) ? Element{What::Edge, level, record_form::axisOf(form), p}
                                           : Element{What::Leaf, level, 0, p},
-                page.farKeys[entry]);
-            entry += static_cast<std::size_t>(std::popcount(page.masks[i]));
+                page.rising[i] != 0);
             continue;
         }
         for (int e = 0; e < kPointEdges; ++e) {
@@ -156,7 +154,7 @@ void addSwitches(const DecodedPage<Key>& page, const BrickGrid& grid, std::uint6
                 continue;
             auto start = p;
             start[static_cast<std::size_t>(e >> 1)] -= (e & 1) ? 0 : 1;
-            add({What::Edge, 0, e >> 1, start}, page.farKeys[entry++]);
+            add({What::Edge, 0, e >> 1, start}, (page.rising[i] >> e & 1) != 0);
         }
     }
 }

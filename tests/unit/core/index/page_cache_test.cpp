@@ -100,7 +100,7 @@ TEST_F(PageCacheTest, HandsOutButDoesNotKeepAPageLargerThanTheBound) {
 TEST_F(PageCacheTest, GivesTotalsOfPagesThatAreTakenWhole) {
     using Form = Cache::Form;
     int sums = 0;
-    Cache cache(*reader_, std::uint64_t{1} << 30, [&](const KeptPage& records, std::vector<KeptPage::Total>& totals) {
+    Cache cache(*reader_, std::uint64_t{1} << 30, [&](const KeptPage& records, std::vector<BrickTotal>& totals) {
         ++sums;
         totals.push_back({BrickIndex(7), static_cast<std::int32_t>(records.recordCount())});
     });
@@ -148,9 +148,7 @@ TEST_F(PageCacheTest, RefusesAPageWithRecordsOutsideItsRange) {
 // One that had the memory of records would count as much as these.
 TEST_F(PageCacheTest, KeepsTotalsAsSmallAsTheyAre) {
     using Form = Cache::Form;
-    const auto sumUp = [](const KeptPage&, std::vector<KeptPage::Total>& totals) {
-        totals.push_back({BrickIndex(7), 1});
-    };
+    const auto sumUp = [](const KeptPage&, std::vector<BrickTotal>& totals) { totals.push_back({BrickIndex(7), 1}); };
     Cache cache(*reader_, 2 * largest_, sumUp);
     for (std::size_t page = 0; page < 20; ++page) { // most are given up again
         ASSERT_THAT(cache.get(kLevel0, page), IsOk());

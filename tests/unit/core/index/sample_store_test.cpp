@@ -159,7 +159,7 @@ TEST(ForgedBrickList, RecordsWithoutOrWithSeveralEntriesAreNotBelieved) {
         entry.lastKey = 900;
         entry.points = 2;
         entry.edges = static_cast<std::uint32_t>(2 * std::popcount(static_cast<unsigned>(mask)));
-        const auto page = encodePage<std::uint16_t>(records, PageOrder::Value, good.value()->grid());
+        const auto page = encodePage<std::uint16_t>(records, PageOrder::Value, FarEnds::Keys, good.value()->grid());
         ASSERT_THAT(writer.value()->addPage(kLevel0, entry, page), IsOk());
         IndexMeta meta = good.value()->meta();
         meta.info.levels.resize(1);

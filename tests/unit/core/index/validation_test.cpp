@@ -19,6 +19,7 @@
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
 #include "tests/support/memory_file_system.h"
+#include "tests/support/page_records.h"
 #include "tests/support/result_matchers.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
@@ -33,20 +34,6 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 using SmallRecord = PointRecord<std::uint32_t>;
-
-std::vector<SmallRecord> recordsOf(const DecodedPage<std::uint32_t>& page) {
-    std::vector<SmallRecord> records(page.pointCount());
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < records.size(); ++i) {
-        records[i].key = page.keys[i];
-        records[i].setId(PointId(page.ids[i]));
-        records[i].edgeMask = page.masks[i];
-        records[i].form = page.form(i);
-        for (unsigned mask = page.masks[i]; mask != 0; mask &= mask - 1, ++at)
-            records[i].farKeys[std::countr_zero(mask)] = page.farKeys[at];
-    }
-    return records;
-}
 
 /// What a forger changes.
 struct Forgery {
@@ -161,7 +148,7 @@ private:
             DecodedPage<std::uint32_t> page;
             ASSERT_THAT(reader.readPage(directory.pages[i], bytes), IsOk());
             ASSERT_THAT(decodePage<std::uint32_t>(bytes, reader.grid(), page, "x"), IsOk());
-            std::vector<SmallRecord> records = recordsOf(page);
+            std::vector<SmallRecord> records = test::recordsOf(page);
             if (forgery.records)
                 forgery.records(level, i, records);
             PageEntry entry = directory.pages[i];
@@ -174,9 +161,9 @@ private:
                 entry.lastKey = std::max<std::uint64_t>(entry.lastKey, record.key);
             }
             const auto order = level == 0 ? PageOrder::Value : PageOrder::Id;
-            ASSERT_THAT(
-                writer.addPage(SkipLevel(level), entry, encodePage<std::uint32_t>(records, order, reader.grid())),
-                IsOk());
+            ASSERT_THAT(writer.addPage(SkipLevel(level), entry,
+                                       encodePage<std::uint32_t>(records, order, page.farEnds, reader.grid())),
+                        IsOk());
         };
         if (level == 0)
             for (std::size_t i = 0; i < directory.pages.size(); ++i)
@@ -357,10 +344,13 @@ TEST_P(Validation, FindsForgedRecords) {
                 change(records[records.size() / 2]);
         };
     };
-    const auto firstEdge = [](SmallRecord& record) { return std::countr_zero(unsigned{record.edgeMask}); };
-    expectFound("two ends disagree", onlyAt(0, [=](SmallRecord& record) { record.farKeys[firstEdge(record)] += 1; }));
-    expectFound("of level 1 is not the net change of level 0",
-                onlyAt(1, [=](SmallRecord& record) { record.farKeys[firstEdge(record)] += 1; }));
+    const bool isEdges = GetParam() == IndexKind::Edges;
+    const auto change = [isEdges](SmallRecord& record) { // where an edge goes, or the other key of a brick
+        std::uint32_t& far = record.farKeys[std::countr_zero(unsigned{record.edgeMask})];
+        far = isEdges ? record.key + (far > record.key ? ~0u : 1u) : far + 1;
+    };
+    expectFound("two ends disagree", onlyAt(0, change));
+    expectFound("of level 1 is not the net change of level 0", onlyAt(1, change));
     expectFound("has records out of order", [](int level, std::size_t page, std::vector<SmallRecord>& records) {
         if (level == 1 && page == 0)
             std::swap(records[0], records[1]);
@@ -370,6 +360,38 @@ TEST_P(Validation, FindsForgedRecords) {
                     if (level == 1 && page == 0 && records.size() > 1)
                         records.pop_back();
                 });
+}
+
+// They add up to nothing, so no sum shows them, and counts are stated to fit.
+TEST_P(Validation, FindsEdgesThatAreRedundantInTheirBlock) {
+    if (GetParam() != IndexKind::Edges)
+        GTEST_SKIP() << "of bricks far keys are stated";
+    Forgery forgery;
+    bool hasAdded = false;
+    forgery.records = [&](int level, std::size_t, std::vector<SmallRecord>& records) {
+        for (std::size_t i = 0; i + 1 < records.size() && level == 1 && !hasAdded; ++i) {
+            SmallRecord &lower = records[i], &upper = records[i + 1];
+            const bool areBeside = upper.id() == lower.id() + 1 && localOf(lower.id()).number() % 8 != 7;
+            if (!areBeside || (lower.edgeMask & 2) != 0 || (upper.edgeMask & 1) != 0)
+                continue;
+            lower.edgeMask |= 2;
+            lower.farKeys[1] = lower.key + 1;
+            upper.edgeMask |= 1;
+            upper.farKeys[0] = upper.key - 1;
+            hasAdded = true;
+        }
+    };
+    forgery.meta = [](IndexMeta& meta) {
+        meta.info.levels[1].edges += 2;
+        meta.info.levels[1].activatedEdges += 1;
+        meta.info.levels[1].redundantRemoved -= 2;
+        if (meta.info.levels.size() > 2)
+            meta.info.levels[2].redundantRemoved += 2;
+    };
+    const auto faults = faultsOfForgery(forgery);
+    ASSERT_TRUE(hasAdded);
+    EXPECT_THAT(faults, Contains(HasSubstr("as the edges of the samples")));
+    EXPECT_THAT(faults, testing::Not(Contains(HasSubstr("net change"))));
 }
 
 // Behind right checksums.

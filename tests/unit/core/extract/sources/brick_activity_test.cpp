@@ -59,21 +59,21 @@ public:
         index::DecodedPage<Key> page;
         for (const PointId id : ids) {
             std::uint8_t mask = 0;
-            std::vector<Key> far;
+            std::uint8_t rising = 0;
             for (unsigned e = 0; e < index::kPointEdges; ++e) {
                 auto end = grid().pointCoords(id);
                 end[e >> 1] += e & 1 ? 1 : -1;
                 if (!isInside(end) || at(end) == at(grid().pointCoords(id)))
                     continue;
                 mask |= static_cast<std::uint8_t>(1u << e);
-                far.push_back(at(end));
+                rising |= static_cast<std::uint8_t>((at(end) > at(grid().pointCoords(id)) ? 1u : 0u) << e);
             }
             if (mask == 0)
                 continue;
             page.ids.push_back(id.number());
             page.keys.push_back(at(grid().pointCoords(id)));
             page.masks.push_back(mask);
-            page.farKeys.insert(page.farKeys.end(), far.begin(), far.end());
+            page.rising.push_back(rising);
         }
         return page;
     }
@@ -90,10 +90,9 @@ void addAll(const index::DecodedPage<Key>& decoded, BrickActivity<Key>& counts, 
     page.assign(decoded);
     if (partSize == 0) {
         index::ChangePage<Key> totals;
-        std::vector<index::ChangePage<Key>::Total> sums;
+        std::vector<index::BrickTotal> sums;
         counts.sumUp(page, sums);
-        totals.beginTotals(page);
-        totals.totals = sums;
+        totals.assignTotals(page, sums);
         std::sort(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.brick < b.brick; });
         for (std::size_t i = 0; i < sums.size(); ++i) {
             ASSERT_NE(sums[i].count, 0);
@@ -251,9 +250,7 @@ TEST(BrickActivity, CountEdgesOnLeafEdges) {
         page.forms.push_back(which);
         page.keys.push_back(key);
         page.masks.push_back(form::maskOf(which));
-        page.farKeys.push_back(other);
-        if (form::isEdge(which))
-            page.farKeys.insert(page.farKeys.end(), {Key(0), Key(9)});
+        page.rising.push_back(other > key ? form::maskOf(which) : std::uint8_t{0});
     };
     add(grid.pointId(8, 3, 8), form::edge(1, 1), 2, 7); // on faces of four bricks
     add(grid.pointId(8, 3, 8), form::edge(0, 2), 3, 7); // of two
@@ -284,7 +281,7 @@ TEST(BrickActivity, OfAListOfBricksIsTheirs) {
         page.ids.push_back(pointIn(brick, LocalPoint()).number());
         page.keys.push_back(key);
         page.masks.push_back(2);
-        page.farKeys.push_back(other);
+        page.rising.push_back(other > key ? 2 : 0);
     };
     add(BrickIndex(3), 2, 9);
     add(BrickIndex(5), 1, 4); // comes and goes

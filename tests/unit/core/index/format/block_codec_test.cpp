@@ -1,8 +1,10 @@
 #include "core/index/format/block_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -55,29 +57,42 @@ protected:
         std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
     }
 
-    static void expectSame(const std::vector<PointRecord<Key>>& records, const DecodedPage<Key>& page) {
+    static void expectSame(const std::vector<PointRecord<Key>>& records, PageOrder order,
+                           const DecodedPage<Key>& page) {
         ASSERT_EQ(page.pointCount(), records.size());
+        const bool hasKeys = order == PageOrder::Value || page.farEnds == FarEnds::Keys;
+        const Key least = std::min_element(records.begin(), records.end(), [](const auto& a, const auto& b) {
+                              return a.key < b.key;
+                          })->key;
         std::size_t edge = 0;
         for (std::size_t i = 0; i < records.size(); ++i) {
-            ASSERT_EQ(page.keys[i], records[i].key) << i;
+            ASSERT_EQ(page.keys[i], hasKeys ? records[i].key : least) << i;
             ASSERT_EQ(page.ids[i], records[i].id().number()) << i;
             ASSERT_EQ(page.masks[i], records[i].edgeMask) << i;
             for (int e = 0; e < kPointEdges; ++e)
                 if (records[i].edgeMask >> e & 1) {
-                    ASSERT_EQ(page.farKeys[edge], records[i].farKeys[e]) << i << " " << e;
+                    if (page.farEnds == FarEnds::Keys) {
+                        ASSERT_EQ(page.farKeys[edge], records[i].farKeys[e]) << i << " " << e;
+                    }
+                    ASSERT_EQ((page.rising[i] >> e & 1) != 0, records[i].farKeys[e] > records[i].key) << i << " " << e;
                     ++edge;
                 }
+            ASSERT_EQ(page.rising[i] & ~page.masks[i], 0) << i;
         }
-        EXPECT_EQ(edge, page.edgeCount());
+        EXPECT_EQ(edge, page.entries);
+        EXPECT_EQ(page.farKeys.size(), page.farEnds == FarEnds::Keys ? edge : 0u);
     }
 
     // The invariants that block_codec.h promises to those who use a page.
     static void expectInvariants(const DecodedPage<Key>& page, bool isByValue) {
         const BrickGrid grid(kDims);
-        ASSERT_TRUE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size());
+        ASSERT_TRUE(page.ids.size() == page.keys.size() && page.masks.size() == page.keys.size() &&
+                    page.rising.size() == page.keys.size());
         ASSERT_TRUE(page.normals.empty() || page.normals.size() == page.keys.size());
-        std::size_t edges = 0;
+        std::size_t edges = 0, farKeys = 0;
         for (std::size_t i = 0; i < page.pointCount(); ++i) {
+            farKeys += page.hasFarKeys(i) ? static_cast<std::size_t>(std::popcount(unsigned{page.masks[i]})) : 0;
+            ASSERT_EQ(page.rising[i] & ~page.masks[i], 0);
             ASSERT_TRUE(grid.contains(PointId(page.ids[i])));
             const auto p = grid.pointCoords(PointId(page.ids[i]));
             for (int e = 0; e < kPointEdges; ++e)
@@ -90,8 +105,9 @@ protected:
                 ASSERT_GE(page.keys[i], page.keys[i - 1]);
             }
         }
-        ASSERT_EQ(edges, page.edgeCount());
-        ASSERT_EQ(page.farNormals.size(), page.hasNormals() ? page.edgeCount() : 0u);
+        ASSERT_EQ(edges, page.entries);
+        ASSERT_EQ(farKeys, page.farKeys.size());
+        ASSERT_EQ(page.farNormals.size(), page.hasNormals() ? page.entries : 0u);
     }
 };
 
@@ -100,19 +116,21 @@ TYPED_TEST_SUITE(BlockCodec, KeyTypes);
 
 TYPED_TEST(BlockCodec, GivesBackWhatItTook) {
     const BrickGrid grid(kDims);
+    DecodedPage<TypeParam> page; // memory that was used before
     for (const std::uint64_t spread : {std::uint64_t{1}, std::uint64_t{9}, std::uint64_t{3000}, ~std::uint64_t{0}})
-        for (const std::size_t count : {1, 2, 17, 800}) {
-            SCOPED_TRACE(std::to_string(spread) + " " + std::to_string(count));
-            auto records = this->randomRecords(count, spread);
-            DecodedPage<TypeParam> page;
-            const auto byId = encodePage<TypeParam>(records, PageOrder::Id, grid);
-            ASSERT_THAT(decodePage<TypeParam>(byId, grid, page, "p"), IsOk());
-            this->expectSame(records, page);
-            this->sortByKey(records);
-            const auto byValue = encodePage<TypeParam>(records, PageOrder::Value, grid);
-            ASSERT_THAT(decodePage<TypeParam>(byValue, grid, page, "p"), IsOk()); // into memory that was used before
-            this->expectSame(records, page);
-        }
+        for (const std::size_t count : {1, 2, 17, 800})
+            for (const FarEnds farEnds : {FarEnds::Keys, FarEnds::Directions}) {
+                SCOPED_TRACE(std::to_string(spread) + " " + std::to_string(count));
+                auto records = this->randomRecords(count, spread);
+                const auto byId = encodePage<TypeParam>(records, PageOrder::Id, farEnds, grid);
+                ASSERT_THAT(decodePage<TypeParam>(byId, grid, page, "p"), IsOk());
+                EXPECT_EQ(page.farEnds, farEnds);
+                this->expectSame(records, PageOrder::Id, page);
+                this->sortByKey(records);
+                const auto byValue = encodePage<TypeParam>(records, PageOrder::Value, farEnds, grid);
+                ASSERT_THAT(decodePage<TypeParam>(byValue, grid, page, "p"), IsOk());
+                this->expectSame(records, PageOrder::Value, page);
+            }
 }
 
 // A field that goes on in straight lines costs nearly nothing: the mirrored prediction is used.
@@ -132,22 +150,57 @@ TYPED_TEST(BlockCodec, PredictsAStraightField) {
                 }
         straight.push_back(record);
     }
-    const auto bytes = encodePage<TypeParam>(straight, PageOrder::Id, grid);
+    const auto bytes = encodePage<TypeParam>(straight, PageOrder::Id, FarEnds::Keys, grid);
     EXPECT_EQ(static_cast<int>(bytes[19]) & 1, 1);
     DecodedPage<TypeParam> page;
     ASSERT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), IsOk());
-    this->expectSame(straight, page);
+    this->expectSame(straight, PageOrder::Id, page);
+}
+
+// Directions must be those of edges that the record has, and of points.
+TYPED_TEST(BlockCodec, RefusesDirectionsOfWhatIsNotThere) {
+    const BrickGrid grid(kDims);
+    PointRecord<TypeParam> point;
+    point.setId(grid.pointId(1, 1, 1));
+    point.key = 5;
+    point.edgeMask = 2;
+    point.farKeys[1] = 9;
+    auto bytes = encodePage<TypeParam>(std::span(&point, 1), PageOrder::Value, FarEnds::Directions, grid);
+    ASSERT_EQ(bytes.back(), std::byte{2}) << "the last plane, one constant byte";
+    DecodedPage<TypeParam> page;
+    ASSERT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), IsOk());
+    EXPECT_EQ(page.rising[0], 2);
+    bytes.back() = std::byte{0};
+    ASSERT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), IsOk());
+    EXPECT_EQ(page.rising[0], 0);
+    bytes.back() = std::byte{6};
+    EXPECT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), HasError(ErrorCode::Corruption));
+    PointRecord<TypeParam> leaf;
+    leaf.form = record_form::leaf(1);
+    leaf.edgeMask = record_form::maskOf(leaf.form);
+    leaf.farKeys[record_form::kOtherEnd] = 9;
+    leaf.setId(grid.pointId(2, 2, 2));
+    const std::array both{point, leaf};
+    auto mixed = encodePage<TypeParam>(both, PageOrder::Id, FarEnds::Directions, grid);
+    ASSERT_THAT(decodePage<TypeParam>(mixed, grid, page, "p"), IsOk());
+    EXPECT_EQ(page.farKeys, std::vector<TypeParam>{9});
+    EXPECT_EQ(page.rising, (std::vector<std::uint8_t>{2, 2}));
+    const std::array<std::byte, 2> directions{std::byte{2}, std::byte{0}}, ofTheLeaf{std::byte{2}, std::byte{2}};
+    const auto at = std::search(mixed.begin() + 32, mixed.end(), directions.begin(), directions.end());
+    ASSERT_NE(at, mixed.end());
+    std::copy(ofTheLeaf.begin(), ofTheLeaf.end(), at);
+    EXPECT_THAT(decodePage<TypeParam>(mixed, grid, page, "p"), HasError(ErrorCode::Corruption));
 }
 
 TYPED_TEST(BlockCodec, IsDeterministic) {
     const auto records = this->randomRecords(300, 50);
-    EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)),
-              encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims)));
+    EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Keys, BrickGrid(kDims)),
+              encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Keys, BrickGrid(kDims)));
 }
 
 TYPED_TEST(BlockCodec, RefusesEveryTruncationAndTrailingBytes) {
     const BrickGrid grid(kDims);
-    const auto bytes = encodePage<TypeParam>(this->randomRecords(70, 40), PageOrder::Id, grid);
+    const auto bytes = encodePage<TypeParam>(this->randomRecords(70, 40), PageOrder::Id, FarEnds::Keys, grid);
     DecodedPage<TypeParam> page;
     for (std::size_t length = 0; length < bytes.size(); ++length) {
         // A copy of that size, so that a read past its end is seen by the address sanitizer.
@@ -161,12 +214,14 @@ TYPED_TEST(BlockCodec, RefusesEveryTruncationAndTrailingBytes) {
 
 TYPED_TEST(BlockCodec, SurvivesEveryFlippedBit) {
     const BrickGrid grid(kDims);
-    for (const PageOrder order : {PageOrder::Value, PageOrder::Id})
+    for (const auto& [order, farEnds] : {std::pair{PageOrder::Value, FarEnds::Keys},
+                                         {PageOrder::Value, FarEnds::Directions},
+                                         {PageOrder::Id, FarEnds::Keys}})
         for (const std::size_t count : {3, 200}) {
             auto records = this->randomRecords(count, 12);
             if (order == PageOrder::Value)
                 this->sortByKey(records);
-            auto bytes = encodePage<TypeParam>(records, order, grid);
+            auto bytes = encodePage<TypeParam>(records, order, farEnds, grid);
             std::size_t refused = 0;
             DecodedPage<TypeParam> page;
             for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += test::kSparser) {
@@ -187,11 +242,12 @@ TYPED_TEST(BlockCodec, SurvivesEveryFlippedBit) {
 
 TYPED_TEST(BlockCodec, SurvivesRandomBytes) {
     const BrickGrid grid(kDims);
-    auto records = this->randomRecords(500, 100);
-    const auto bytes = encodePage<TypeParam>(records, PageOrder::Id, grid);
+    const auto records = this->randomRecords(500, 100);
+    const std::array pages{encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Keys, grid),
+                           encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Directions, grid)};
     DecodedPage<TypeParam> page;
-    for (int round = 0; round < 3000; ++round) {
-        auto damaged = bytes;
+    for (int round = 0; round < 6000; ++round) {
+        auto damaged = pages[static_cast<std::size_t>(round / 3000)];
         for (int k = 0; k < 3; ++k)
             damaged[this->random_() % (round % 2 ? 120 : damaged.size())] = static_cast<std::byte>(this->random_());
         if (decodePage<TypeParam>(damaged, grid, page, "p").isOk())
@@ -201,7 +257,7 @@ TYPED_TEST(BlockCodec, SurvivesRandomBytes) {
 
 TYPED_TEST(BlockCodec, RefusesAPageOfAnotherKeySizeOrGrid) {
     const auto records = this->randomRecords(5000, 40);
-    const auto bytes = encodePage<TypeParam>(records, PageOrder::Id, BrickGrid(kDims));
+    const auto bytes = encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Keys, BrickGrid(kDims));
     DecodedPage<std::uint16_t> page16;
     DecodedPage<std::uint32_t> page32;
     const bool is16 = sizeof(TypeParam) == 2;

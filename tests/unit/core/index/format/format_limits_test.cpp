@@ -196,7 +196,7 @@ TEST(FormatLimits, OfBytesOfAPlane) {
     PointRecord<std::uint16_t> record;
     record.setId(PointId(0));
     record.edgeMask = 2;
-    auto bytes = encodePage<std::uint16_t>(std::span(&record, 1), PageOrder::Value, grid);
+    auto bytes = encodePage<std::uint16_t>(std::span(&record, 1), PageOrder::Value, FarEnds::Directions, grid);
     DecodedPage<std::uint16_t> page;
     ASSERT_THAT(decodePage<std::uint16_t>(bytes, grid, page, "x"), IsOk());
     constexpr std::size_t kPlaneTable = 32;
@@ -233,7 +233,7 @@ TEST(FormatLimits, OfPages) {
             records[i].setId(PointId(i)); // bricks of 8^3 points, all but the last layer with an upward edge
             records[i].edgeMask = grid.pointCoords(PointId(i))[0] + 1 < 64 ? 2 : 1;
         }
-        auto bytes = encodePage<std::uint16_t>(records, PageOrder::Value, grid);
+        auto bytes = encodePage<std::uint16_t>(records, PageOrder::Value, FarEnds::Directions, grid);
         bytes[0] = static_cast<std::byte>(points);
         bytes[1] = static_cast<std::byte>(points >> 8);
         bytes[2] = static_cast<std::byte>(points >> 16);

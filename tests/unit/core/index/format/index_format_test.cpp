@@ -68,7 +68,7 @@ TEST(Preamble, RefusesEveryTruncation) {
 
 TEST(Preamble, RefusesAnotherVersionByName) {
     Preamble preamble = somePreamble();
-    for (const std::uint16_t major : {1, 2, 3, 7}) {
+    for (const std::uint16_t major : {1, 2, 3, 8}) {
         preamble.major = major;
         const auto decoded = decodePreamble(encodePreamble(preamble), 800, "a.isx");
         ASSERT_THAT(decoded, HasError(ErrorCode::UnsupportedVersion));
@@ -77,7 +77,7 @@ TEST(Preamble, RefusesAnotherVersionByName) {
         EXPECT_EQ(decoded.error().message.find('\n'), std::string::npos);
         EXPECT_EQ(decoded.error().path, "a.isx");
     }
-    for (const std::uint16_t major : {4, 5, 6}) {
+    for (const std::uint16_t major : {4, 5, 6, 7}) {
         preamble.major = major;
         EXPECT_THAT(decodePreamble(encodePreamble(preamble), 800, "p"), IsOk());
     }

@@ -94,7 +94,7 @@ TEST(ZstdMemory, OfPagesIsReportedWhenItIsMissing) {
         records[i].farKeys[0] = static_cast<std::uint16_t>(i / 7 + 1 + i % 3);
     }
     const BrickGrid grid({64, 64, 64});
-    expectOutOfMemoryOnly([&] { (void)encodePage<std::uint16_t>(records, PageOrder::Value, grid); });
+    expectOutOfMemoryOnly([&] { (void)encodePage<std::uint16_t>(records, PageOrder::Value, FarEnds::Keys, grid); });
 }
 
 TEST(ZstdMemory, OfChunksIsReportedWhenItIsMissing) {
