@@ -18,7 +18,7 @@ namespace isoslider::extract {
 struct WalkStep {
     index::SkipLevel level;
     std::uint64_t blocks = 0; ///< blocks read at this level
-    std::uint64_t edges = 0; ///< edge entries decoded there
+    std::uint64_t edges = 0; ///< edge entries decoded there; of levels built later (LazyLevels), bricks
     std::uint64_t bytes = 0; ///< encoded bytes decoded there (cached pages included)
 };
 
@@ -29,7 +29,7 @@ struct SlideStats {
     /// bricks of one cell.
     std::uint64_t edgesAdded = 0;
     std::uint64_t edgesRemoved = 0;
-    std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included
+    std::uint64_t edgesTouched = 0; ///< edge entries looked at, redundant ones included, and bricks of lazy levels
     std::uint64_t cellsRetriangulated = 0;
     std::uint64_t cellsResolved = 0; ///< ambiguous cells decided in the move, by their corner scalars
     std::uint64_t ambiguousCells = 0; ///< active cells whose signs do not determine their surface

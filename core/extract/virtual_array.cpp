@@ -3,17 +3,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <new>
 
 namespace isoslider::extract {
-namespace {
 
-constexpr std::size_t kLargePage = std::size_t{1} << 21;
-
-} // namespace
-
-VirtualMemory::VirtualMemory(std::size_t bytes) : bytes_(bytes) {
+VirtualMemory::VirtualMemory(std::size_t bytes, std::size_t largePagesFrom) : bytes_(bytes) {
     // Bricks are visited all over the arrays: with small pages most visits miss the TLB too. A large page wants to
     // begin at a multiple of its size, so as much more is asked for, and what is not needed given back.
     const std::size_t spare = bytes >= kLargePage ? kLargePage : 0;
@@ -32,7 +28,11 @@ VirtualMemory::VirtualMemory(std::size_t bytes) : bytes_(bytes) {
             munmap(data_ + end, bytes + spare - end);
         data_ += before;
     }
-    madvise(data_, bytes, MADV_HUGEPAGE);
+    const std::size_t small = std::min(bytes, largePagesFrom);
+    if (small > 0)
+        madvise(data_, small, MADV_NOHUGEPAGE);
+    if (small < bytes)
+        madvise(data_ + small, bytes - small, MADV_HUGEPAGE);
 }
 
 VirtualMemory::~VirtualMemory() { munmap(data_, bytes_); }

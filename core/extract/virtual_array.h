@@ -10,7 +10,11 @@ namespace isoslider::extract {
 /// in use follows the part that is used.
 class VirtualMemory {
 public:
-    explicit VirtualMemory(std::size_t bytes);
+    /// Large pages, where the system has such, hold two megabytes: of memory of which little is used they take most.
+    static constexpr std::size_t kLargePage = std::size_t{1} << 21;
+
+    /// From `largePagesFrom` on, a multiple of kLargePage, pages are large.
+    explicit VirtualMemory(std::size_t bytes, std::size_t largePagesFrom = 0);
     ~VirtualMemory();
     VirtualMemory(const VirtualMemory&) = delete;
     VirtualMemory& operator=(const VirtualMemory&) = delete;

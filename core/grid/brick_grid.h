@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/fast_divider.h"
 #include "core/base/strong_id.h"
 #include "core/grid/grid_geometry.h"
 
@@ -36,6 +37,8 @@ public:
     explicit BrickGrid(const GridDims& dims) : dims_(dims) {
         for (int a = 0; a < 3; ++a)
             bricks_[a] = (dims[a] + kBrickSide - 1) / kBrickSide;
+        byRow_ = FastDivider(static_cast<std::uint32_t>(bricks_[0]));
+        byPlane_ = FastDivider(static_cast<std::uint32_t>(bricks_[0] * bricks_[1]));
     }
 
     const GridDims& dims() const { return dims_; }
@@ -48,8 +51,9 @@ public:
         return BrickIndex(bx + bricks_[0] * (by + bricks_[1] * bz));
     }
     std::array<std::int64_t, 3> brickCoords(BrickIndex brick) const {
-        const std::int64_t b = brick.number();
-        return {b % bricks_[0], b / bricks_[0] % bricks_[1], b / (bricks_[0] * bricks_[1])};
+        const std::int64_t b = brick.number(), row = byRow_.quotient(brick.number()),
+                           z = byPlane_.quotient(brick.number());
+        return {b - bricks_[0] * row, row - bricks_[1] * z, z};
     }
     PointId pointId(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return pointIn(brickAt(x >> 3, y >> 3, z >> 3), LocalPoint((x & 7) + 8 * (y & 7) + 64 * (z & 7)));
@@ -73,6 +77,7 @@ public:
 private:
     GridDims dims_{0, 0, 0};
     GridDims bricks_{0, 0, 0};
+    FastDivider byRow_, byPlane_;
 };
 
 } // namespace isoslider

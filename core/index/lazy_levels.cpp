@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <span>
-#include <system_error>
 #include <utility>
 
 #include "core/base/machine.h"
@@ -27,6 +26,8 @@ public:
             const auto part = totals.first(std::min(totals.size(), kBuildTotals));
             if (totals_.size() + part.size() > kBuildTotals && !makeRoom())
                 return false;
+            if (totals_.capacity() < totals_.size() + part.size() && totals_.size() > kBuildTotals / 4)
+                totals_.reserve(kBuildTotals);
             totals_.insert(totals_.end(), part.begin(), part.end());
         }
         return true;
@@ -101,7 +102,7 @@ void LazyLevels<Key>::request(std::vector<BlockGroup> groups) {
         return;
     try {
         thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
-    } catch (const std::system_error&) { // no thread, no levels
+    } catch (const std::exception&) { // no thread, no levels
         wanted_.clear();
         isStopped_ = true;
     }

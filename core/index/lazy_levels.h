@@ -20,15 +20,15 @@ namespace isoslider::index {
 /// blocks are walked.
 ///
 /// A separate thread builds them, one after the other, while walks go on over the blocks; LevelStore keeps them.
-/// Memory: kBuildTotals totals while a group is built, whatever its size. Any thread.
+/// Memory: some kBuildTotals totals while a group is built, whatever its size. Any thread.
 template <class Key>
 class LazyLevels {
 public:
     using SumUp = typename PageCache<Key>::SumUp;
     static constexpr std::size_t kBuildTotals = 1u << 20;
 
-    /// `reader` must outlive this; `memoryBytes` as of LevelStore. `sumUp`: called by the thread that builds; without
-    /// it nothing is built.
+    /// `reader` must outlive this; `memoryBytes` as of LevelStore. `sumUp`: called by the thread that builds; none of
+    /// who needs records: then there are no groups.
     LazyLevels(const IndexReader& reader, std::uint64_t memoryBytes, SumUp sumUp);
     ~LazyLevels();
 
@@ -36,7 +36,9 @@ public:
     /// O(log(end - begin)).
     static std::vector<BlockGroup> groupsOf(std::uint64_t begin, std::uint64_t end);
 
-    std::shared_ptr<const StoredGroup> find(const BlockGroup& group) const { return store_.find(group); }
+    std::shared_ptr<const StoredGroup> find(const BlockGroup& group) const {
+        return sumUp_ ? store_.find(group) : nullptr;
+    }
     /// Errors: IoError, Corruption: forget() the group then.
     Status load(const StoredPage& page, std::vector<BrickTotal>& totals) const;
     void forget(const BlockGroup& group) { store_.forget(group); }

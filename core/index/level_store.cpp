@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <string_view>
 
 #include "core/base/byte_codec.h"
@@ -76,7 +77,8 @@ std::optional<std::vector<StoredPage>> decodeTable(std::span<const std::byte> by
         page.totals = in.get<std::uint32_t>();
         page.checksum = in.get<std::uint64_t>();
         page.offset = offset;
-        if (page.bytes > left || page.totals > kMaxPageTotals)
+        if (page.bytes > left || page.totals == 0 || page.totals > kMaxPageTotals ||
+            page.bytes > mostBytesOfTotals(page.totals))
             return std::nullopt;
         left -= page.bytes;
         offset += page.bytes;
@@ -348,17 +350,23 @@ void LevelStore::finish(const BlockGroup& group, bool isWorthwhile) {
     }
     stored->pages = std::move(draft_);
     const std::lock_guard lock(mutex_);
+    std::shared_ptr<const StoredGroup>& place = groups_[group]; // what may fail comes first
     for (StoredPage& page : stored->pages) {
         page.number = nextNumber_++;
         memoryBytes_ += page.memory ? page.memory->size() : 0;
     }
-    groups_[group] = std::move(stored);
+    place = std::move(stored);
 }
 
-void LevelStore::abandon() {
+void LevelStore::abandon() noexcept {
     draft_.clear();
-    if (writer_)
-        (void)writer_->cut(validBytes_); // or it is cut off the next time
+    if (!writer_)
+        return;
+    try {
+        if (writer_->cut(validBytes_).isOk())
+            return;
+    } catch (const std::exception&) {}
+    leaveFile(); // another program cuts it off
 }
 
 } // namespace isoslider::index

@@ -67,7 +67,7 @@ public:
     bool add(std::span<const std::byte> bytes, std::uint32_t totals);
     /// The group can be found from now on. REQUIRES: begin() and all add() have succeeded.
     void finish(const BlockGroup& group, bool isWorthwhile);
-    void abandon();
+    void abandon() noexcept;
 
     std::uint64_t memoryBytes() const;
 

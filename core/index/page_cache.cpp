@@ -128,8 +128,10 @@ void PageCache<Key>::insert(std::uint64_t id, std::shared_ptr<ChangePage<Key>> p
         }
         entries_.pop_back();
     }
-    entries_.push_front({id, std::move(page)});
-    byId_[id] = entries_.begin();
+    std::list<Entry> added; // what may fail comes first
+    added.push_front({id, std::move(page)});
+    byId_.emplace(id, added.begin());
+    entries_.splice(entries_.begin(), added);
     bytes_ += size;
 }
 

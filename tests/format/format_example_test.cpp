@@ -267,14 +267,17 @@ TEST(FormatDocument, ReadsPagesWithMirroredFarKeys) {
     const IndexReader& reader = *opened.value();
     std::vector<std::byte> bytes;
     DecodedPage<std::uint32_t> page;
+    int flags = 0;
     for (const auto& level : reader.meta().levels)
         for (const PageEntry& entry : level.pages) {
             ASSERT_THAT(reader.readPage(entry, bytes), IsOk());
             ASSERT_THAT(decodePage<std::uint32_t>(bytes, reader.grid(), page, "golden"), IsOk());
+            flags |= static_cast<int>(bytes[19]);
             const auto points = test::DocumentDecoder(bytes).decode(reader.grid().idCount());
             ASSERT_TRUE(points.has_value());
             expectSame(page, *points);
         }
+    EXPECT_EQ(flags, 1 + 8);
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include "core/index/format/block_codec.h"
 #include "core/index/index_reader.h"
 #include "core/index/sample_store.h"
+#include "core/index/validation/index_validation.h"
 #include "tests/fuzz/fuzz_support.h"
 #include "tests/fuzz/fuzz_targets.h"
 
@@ -147,6 +148,11 @@ void readIndex(std::span<const std::byte> bytes) {
         return;
     visitScalarType(info.type, [&](auto sample) { readParts<decltype(sample)>(*reader.value()); });
     slide(path);
+    index::ValidationOptions full;
+    full.isFull = true;
+    full.mostFaults = 4;
+    if (const auto report = index::validateIndex(path, full); !report.isOk())
+        requireGoodError(report.error());
 }
 
 } // namespace

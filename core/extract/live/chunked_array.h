@@ -39,7 +39,9 @@ public:
             const std::size_t chunk = owned_.size();
             if (chunk >= tableSize_)
                 throw std::bad_alloc();
-            owned_.push_back(std::make_unique<VirtualMemory>(kChunk * sizeof(T)));
+            // Many arrays hold next to nothing.
+            owned_.push_back(
+                std::make_unique<VirtualMemory>(kChunk * sizeof(T), chunk == 0 ? VirtualMemory::kLargePage : 0));
             entry(chunk).store(reinterpret_cast<T*>(owned_.back()->data()), std::memory_order_release);
             usable_.store((chunk + 1) * kChunk, std::memory_order_release);
         }

@@ -27,7 +27,8 @@ class BlockWalk {
 public:
     using SumUp = typename index::PageCache<Key>::SumUp;
 
-    /// `reader` must outlive the walk. `sumUp`: none, or pages that are taken whole have totals in place of records.
+    /// `reader` must outlive the walk. `sumUp`: pages that are taken whole have totals in place of records; without it
+    /// there are records only, and no lazy levels.
     BlockWalk(const index::IndexReader& reader, std::uint64_t cacheBytes, SumUp sumUp = {});
 
     /// A run of records of one page, or, where it has totals, the whole of it. All records lie in the interval of the

@@ -221,6 +221,8 @@ Status restorePoints(DecodedPage<Key>& page, Key base, PageOrder order, const Br
     std::uint64_t previousId = 0;
     std::size_t edges = 0;
     for (std::size_t i = 0; i < page.pointCount(); ++i) {
+        if (page.keys[i] != 0 && !statesKey(page.form(i), order, page.farEnds))
+            return reader.corrupt("key of a point");
         const Key key = static_cast<Key>(page.keys[i] + (order == PageOrder::Value ? previousKey : base));
         if (key < previousKey && order == PageOrder::Value)
             return reader.corrupt("keys out of order");

@@ -27,6 +27,10 @@ void combineTotals(std::vector<BrickTotal>& totals);
 
 /// No page holds more, so a damaged count never sizes a large allocation.
 inline constexpr std::size_t kMaxPageTotals = 1u << 16;
+/// Nor more bytes: a plane that does not compress is stored as it is.
+constexpr std::size_t mostBytesOfTotals(std::size_t totals) {
+    return sizeof(std::uint32_t) * 9 + totals * 2 * sizeof(std::uint32_t);
+}
 
 /// Encodes totals as FORMAT.md, "Lazy levels", states. O(totals), deterministic.
 /// REQUIRES: 0 < totals.size() <= kMaxPageTotals, as combineTotals() leaves them.

@@ -1,6 +1,7 @@
 #include "core/index/validation/index_validation.h"
 
 #include <atomic>
+#include <memory>
 #include <string>
 
 #include "core/index/index_appendix.h"
@@ -30,6 +31,9 @@ public:
             return {}; // comparing more would name the same again
         const bool isEdges = reader_.info().kind == IndexKind::Edges;
         Level0Sums sums(reader_.grid().brickCount());
+        if (isEdges && reader_.info().mergeError > 0.0 &&
+            PointKeySums::wordCount(reader_.grid().brickCount()) <= options_.memoryBytes / sizeof(std::uint64_t) / 2)
+            sums.pointKeys = std::make_unique<PointKeySums>(reader_.grid().brickCount());
         bool comparesList = options_.volume && isEdges && !options_.isFull; // with the volume
         if (options_.isFull || comparesList)
             ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));

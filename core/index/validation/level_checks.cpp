@@ -158,17 +158,19 @@ private:
             faults_.add(pageFault(level, i, problemOf(decoded.error().message)));
             return {};
         }
+        const auto refuse = [&](const char* problem) { faults_.add(pageFault(level, i, problem)); };
+        if (!isPageOfVersion(meta_.info, page.hasNormals(), page.farEnds)) {
+            refuse("is one of another format version");
+            return {}; // it may lack what is looked at
+        }
         facts.isThere = true;
         facts.lastStated = entry.lastKey;
-        const auto refuse = [&](const char* problem) { faults_.add(pageFault(level, i, problem)); };
         if (page.pointCount() != entry.points || page.entries != entry.edges)
             refuse("has other counts than the directory states");
         const auto [least, greatest] = std::minmax_element(page.keys.begin(), page.keys.end());
         const bool hasAllKeys = level == 0 || page.farEnds == FarEnds::Keys;
         if (*least != entry.firstKey || (hasAllKeys ? *greatest != entry.lastKey : *greatest > entry.lastKey))
             refuse("has other keys than the directory states");
-        if (!isPageOfVersion(meta_.info, page.hasNormals(), page.farEnds))
-            refuse("is one of another format version");
         if (!page.forms.empty() && !(meta_.info.mergeError > 0.0))
             refuse("has merged cells where there are none");
         if (bytes[kPageOrderByte] != std::byte{level == 0 ? std::uint8_t{0} : std::uint8_t{1}})
@@ -241,7 +243,7 @@ private:
     EntrySums sumsOf(const Record& record) const {
         EntrySums sums;
         if (record.isInterval) {
-            sums.interval = mixHash(mixHash(record.id, record.form), record.key);
+            sums.interval = mixHash(mixHash(idHash(record.id), record.form), record.key);
             for (int i = 0; i < std::popcount(record.mask); ++i)
                 sums.interval = mixHash(sums.interval, record.farKeys[i]);
             return sums;
@@ -256,7 +258,7 @@ private:
 
     // Of the two ends of an edge the sum is 0, if they say the same of it.
     static std::uint64_t signedHash(std::uint64_t lowerId, int axis, bool rises) {
-        const std::uint64_t hash = mixHash(lowerId, static_cast<std::uint64_t>(16 + axis));
+        const std::uint64_t hash = edgeHash(lowerId, axis);
         return rises ? hash : std::uint64_t{0} - hash;
     }
     std::uint64_t lowerEnd(std::uint64_t id, const std::array<std::int64_t, 3>& point, int edge) const {
@@ -324,6 +326,8 @@ private:
     const char* checkEdges(const Record& record) {
         const auto point = grid_.pointCoords(PointId(record.id));
         const char* problem = nullptr;
+        if (sums_.pointKeys)
+            sums_.pointKeys->add(record.id, record.key);
         for (unsigned mask = record.mask; mask != 0; mask &= mask - 1) {
             const int edge = std::countr_zero(mask), axis = edge / 2;
             const bool rises = record.rising >> edge & 1;
@@ -340,7 +344,7 @@ private:
     // Of merged cells: an interval has a record at its lower and one at its upper key.
     void checkInterval(const Record& record) {
         const bool isLower = record.rising != 0;
-        std::uint64_t hash = mixHash(mixHash(record.id, record.form), std::min(record.key, record.otherEnd()));
+        std::uint64_t hash = mixHash(mixHash(idHash(record.id), record.form), std::min(record.key, record.otherEnd()));
         hash = mixHash(hash, std::max(record.key, record.otherEnd()));
         if (record_form::isEdge(record.form)) {
             for (int i = 1; i < 3; ++i)

@@ -15,6 +15,9 @@ inline std::uint64_t mixHash(std::uint64_t hash, std::uint64_t value) {
     return hash ^ (hash >> 31);
 }
 
+/// To be mixed with small numbers: mixHash() takes a number and a small one that differ in the same bits for the same.
+inline std::uint64_t idHash(std::uint64_t id) { return mixHash(0x51ed270b, id); }
+
 /// Sums of hashes, by part of the box: two sets of things in the box are compared without keeping either, and where
 /// they differ one knows about where. Bricks in order are cut into at most 65536 parts. Any thread.
 class PartSums {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -82,7 +83,10 @@ public:
           thresholds_(info_),
           intervals_(grid_.brickCount()),
           distinct_(options.memoryBytes),
-          countsEdges_(info_.kind == IndexKind::Metacells || !(info_.mergeError > 0.0)) {}
+          countsEdges_(info_.kind == IndexKind::Metacells || !(info_.mergeError > 0.0)) {
+        if (sums_ && sums_->pointKeys)
+            pointKeys_.emplace(grid_.brickCount());
+    }
 
     Status run(const JobControl& job) {
         ISO_TRY(pass(job.part(0.0, 0.9), true));
@@ -158,10 +162,12 @@ private:
         counts.max = std::max(counts.max, value);
         if (value >= info_.min && value <= info_.max && !counts.histogram.empty())
             ++counts.histogram[binOf(value)];
-        if (!countsEdges_)
-            return;
         const Key key = keyOf(sample);
         const std::uint64_t id = grid_.pointId(at[0], at[1], at[2]).number();
+        if (pointKeys_ && sums_->pointKeys->has(id))
+            pointKeys_->add(id / kBrickPoints, PointKeySums::keyHash(id, key));
+        if (!countsEdges_)
+            return;
         for (int axis = 0; axis < 3; ++axis) {
             auto far = at;
             if (++far[static_cast<std::size_t>(axis)] >= grid_.dims()[static_cast<std::size_t>(axis)])
@@ -286,10 +292,16 @@ private:
             refuse("histogram", "is not that of ");
         if (countsEdges_)
             thresholds_.compareCurve(total_.curve, info_, faults_);
-        if (!sums_ || !sums_->isWhole || !countsEdges_)
+        if (!sums_ || !sums_->isWhole)
             return;
+        if (pointKeys_)
+            comparePointKeys();
+        if (!countsEdges_)
+            return;
+        bool hasOthers = false;
         for (std::uint64_t part = 0; part < intervals_.parts(); ++part)
             if (intervals_.at(part) != sums_->intervals.at(part)) {
+                hasOthers = true;
                 IndexFault fault;
                 fault.part = "level 0";
                 fault.problem =
@@ -298,8 +310,20 @@ private:
                 fault.box = faults_.boxOfBricks(intervals_.firstBrick(part), intervals_.lastBrick(part));
                 faults_.add(std::move(fault));
             }
-        if (info_.kind == IndexKind::Edges)
+        if (info_.kind == IndexKind::Edges && !hasOthers)
             compareEntries();
+    }
+
+    void comparePointKeys() {
+        const PartSums& stated = sums_->pointKeys->keys();
+        for (std::uint64_t part = 0; part < stated.parts(); ++part)
+            if (stated.at(part) != pointKeys_->at(part)) {
+                IndexFault fault;
+                fault.part = "level 0";
+                fault.problem = std::string("has points of other values than ") + options_.origin;
+                fault.box = faults_.boxOfBricks(stated.firstBrick(part), stated.lastBrick(part));
+                faults_.add(std::move(fault));
+            }
     }
 
     // Edges with both ends in one block add up to nothing: that a level has them shows by their number only.
@@ -308,8 +332,8 @@ private:
             if (total_.entries[level] != info_.levels[level].edges) {
                 IndexFault fault;
                 fault.part = "level " + std::to_string(level);
-                fault.problem = "has " + std::to_string(info_.levels[level].edges) + " entries, not " +
-                                std::to_string(total_.entries[level]) + " as the edges of " + options_.origin;
+                fault.problem = "has " + std::to_string(info_.levels[level].edges) + " entries, where the edges of " +
+                                options_.origin + " make " + std::to_string(total_.entries[level]);
                 faults_.add(std::move(fault));
             }
     }
@@ -324,6 +348,7 @@ private:
     MissingCellLookup missing_;
     ValueThresholds thresholds_;
     PartSums intervals_;
+    std::optional<PartSums> pointKeys_; ///< of the points that have records
     DistinctKeys<Sample> distinct_;
     bool countsEdges_;
     Counts total_{0, 0};

@@ -247,10 +247,27 @@ TEST_F(LazyLevelsTest, NoteWhatIsNotWorthwhile) {
     ASSERT_THAT(extract::SlideEngine::open(path_).value()->slideTo(10000.0), IsOk());
 }
 
-TEST_F(LazyLevelsTest, AreNotBuiltWithoutSums) {
+// Who walks for records has no use for those that others have built either.
+TEST_F(LazyLevelsTest, AreNotThereWithoutSums) {
     Lazy lazy(*reader_, 1u << 20, {});
     build(lazy, someGroups());
     EXPECT_EQ(lazy.find({2, 0}), nullptr);
+    Lazy others(*reader_, 1u << 20, sumUp());
+    build(others, {{2, 0}});
+    ASSERT_NE(others.find({2, 0}), nullptr);
+    ASSERT_TRUE(isPresent(levels_));
+    EXPECT_EQ(Lazy(*reader_, 1u << 20, {}).find({2, 0}), nullptr);
+}
+
+// What a file states of a page is no reason to take memory for it.
+TEST_F(LazyLevelsTest, OfImpossibleSizesAreNone) {
+    Lazy lazy(*reader_, 1u << 20, sumUp());
+    build(lazy, {{2, 0}});
+    const auto stored = lazy.find({2, 0});
+    ASSERT_TRUE(stored && !stored->pages.empty());
+    for (const StoredPage& page : stored->pages)
+        EXPECT_LE(page.bytes, mostBytesOfTotals(page.totals));
+    EXPECT_EQ(encodeTotals(std::vector<BrickTotal>{{BrickIndex(7), 256}}).size(), mostBytesOfTotals(1));
 }
 
 TEST_F(LazyLevelsTest, OfAnotherIndexAreIgnoredAndReplaced) {

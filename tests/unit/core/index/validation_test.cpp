@@ -4,6 +4,7 @@
 #include <bit>
 #include <functional>
 #include <random>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,6 +17,7 @@
 #include "core/index/index_writer.h"
 #include "core/index/sample_store.h"
 #include "core/index/validation/index_validation.h"
+#include "core/index/validation/level_checks.h"
 #include "tests/property/test_volumes.h"
 #include "tests/support/forged_index.h"
 #include "tests/support/memory_file_system.h"
@@ -37,6 +39,8 @@ using SmallRecord = PointRecord<std::uint32_t>;
 
 /// What a forger changes.
 struct Forgery {
+    preprocess::BuildOptions options; ///< of the index that is forged
+    std::function<FarEnds(int level, std::size_t page, FarEnds farEnds)> farEnds; ///< that a page states
     std::function<void(int level, std::size_t page, std::vector<SmallRecord>& records)> records;
     std::function<void(std::uint64_t chunk, std::vector<float>& samples)> samples;
     std::function<void(std::uint64_t chunk, std::vector<std::byte>& bytes)> encoded;
@@ -94,7 +98,7 @@ protected:
     /// The index written again as a forger would, with each checksum right; faults that a full validation finds.
     std::vector<std::string> faultsOfForgery(const Forgery& forgery,
                                              const std::shared_ptr<const ScalarGrid>& against = nullptr) const {
-        const auto path = build();
+        const auto path = build(forgery.options);
         const auto reader = IndexReader::open(path).value();
         EXPECT_THAT(faultsOf(path, true), testing::IsEmpty());
         auto writer = IndexWriter::create(folder_ / "forged.isx", 99).value();
@@ -161,8 +165,9 @@ private:
                 entry.lastKey = std::max<std::uint64_t>(entry.lastKey, record.key);
             }
             const auto order = level == 0 ? PageOrder::Value : PageOrder::Id;
+            const FarEnds farEnds = forgery.farEnds ? forgery.farEnds(level, i, page.farEnds) : page.farEnds;
             ASSERT_THAT(writer.addPage(SkipLevel(level), entry,
-                                       encodePage<std::uint32_t>(records, order, page.farEnds, reader.grid())),
+                                       encodePage<std::uint32_t>(records, order, farEnds, reader.grid())),
                         IsOk());
         };
         if (level == 0)
@@ -362,6 +367,61 @@ TEST_P(Validation, FindsForgedRecords) {
                 });
 }
 
+// A page may lack what is looked at in those of its kind.
+TEST_P(Validation, FindsPagesThatStateOtherFarEnds) {
+    Forgery forgery;
+    forgery.farEnds = [](int, std::size_t page, FarEnds farEnds) {
+        return page > 0 ? farEnds : farEnds == FarEnds::Keys ? FarEnds::Directions : FarEnds::Keys;
+    };
+    EXPECT_THAT(faultsOfForgery(forgery), Contains(HasSubstr("page 0 of level 0 is one of another format version")));
+}
+
+// Where cells are merged, edges do not follow from samples alone.
+TEST_P(Validation, FindsPointsOfOtherValuesWhereCellsAreMerged) {
+    if (GetParam() != IndexKind::Edges)
+        GTEST_SKIP() << "only of edges";
+    Forgery forgery;
+    forgery.options.mergeError = {extract::MergeBound::Measure::Scalar, 0.5};
+    bool hasChanged = false;
+    forgery.records = [&](int level, std::size_t, std::vector<SmallRecord>& records) {
+        for (std::size_t i = 0; i + 1 < records.size() && level == 0 && !hasChanged; ++i) {
+            SmallRecord& record = records[i];
+            const std::uint32_t next = records[i + 1].key;
+            if (record.form != record_form::kPoint || next - record.key < 2)
+                continue;
+            for (std::uint32_t& far : record.farKeys)
+                far = far > record.key ? next + 1 : record.key - 1;
+            record.key += (next - record.key) / 2;
+            hasChanged = true;
+        }
+    };
+    const auto faults = faultsOfForgery(forgery);
+    ASSERT_TRUE(hasChanged);
+    EXPECT_THAT(faults, Contains(HasSubstr("level 0 has points of other values than the samples")));
+}
+
+// Numbers of points, axes and edges are small and beside each other: their hashes must not fall together, nor sums.
+TEST(ValidationHashes, TellEdgesAndTheirDirectionsApart) {
+    std::set<std::uint64_t> edges, ends, bricks;
+    constexpr std::uint64_t kIds = 2048;
+    for (std::uint64_t id = 0; id < kIds; ++id) {
+        for (int axis = 0; axis < 3; ++axis)
+            edges.insert(edgeHash(id, axis));
+        for (int edge = 0; edge < kPointEdges; ++edge)
+            for (const bool rises : {false, true})
+                ends.insert(edgeEndHash(id, 5, edge, rises));
+        for (std::uint64_t least = 0; least < 8; ++least)
+            bricks.insert(intervalHash(id, least, 9));
+    }
+    EXPECT_EQ(edges.size(), 3 * kIds);
+    EXPECT_EQ(ends.size(), 12 * kIds);
+    EXPECT_EQ(bricks.size(), 8 * kIds);
+    for (std::uint64_t id = 0; id < kIds; id += 2)
+        for (int edge = 0; edge < kPointEdges; ++edge)
+            EXPECT_NE(edgeEndHash(id, 5, edge, true) + edgeEndHash(id + 1, 5, edge, true),
+                      edgeEndHash(id, 5, edge, false) + edgeEndHash(id + 1, 5, edge, false));
+}
+
 // They add up to nothing, so no sum shows them, and counts are stated to fit.
 TEST_P(Validation, FindsEdgesThatAreRedundantInTheirBlock) {
     if (GetParam() != IndexKind::Edges)
@@ -390,7 +450,7 @@ TEST_P(Validation, FindsEdgesThatAreRedundantInTheirBlock) {
     };
     const auto faults = faultsOfForgery(forgery);
     ASSERT_TRUE(hasAdded);
-    EXPECT_THAT(faults, Contains(HasSubstr("as the edges of the samples")));
+    EXPECT_THAT(faults, Contains(HasSubstr("where the edges of the samples make")));
     EXPECT_THAT(faults, testing::Not(Contains(HasSubstr("net change"))));
 }
 

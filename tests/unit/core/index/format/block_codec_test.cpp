@@ -192,6 +192,18 @@ TYPED_TEST(BlockCodec, RefusesDirectionsOfWhatIsNotThere) {
     EXPECT_THAT(decodePage<TypeParam>(mixed, grid, page, "p"), HasError(ErrorCode::Corruption));
 }
 
+// In a page by id points have no keys of their own.
+TYPED_TEST(BlockCodec, RefusesKeysOfPointsWhereThereAreNone) {
+    const BrickGrid grid(kDims);
+    auto bytes = encodePage<TypeParam>(this->randomRecords(20, 40), PageOrder::Id, FarEnds::Directions, grid);
+    DecodedPage<TypeParam> page;
+    ASSERT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), IsOk());
+    const std::size_t firstPlane = 32 + 4 * static_cast<std::size_t>(bytes[20]);
+    ASSERT_EQ(bytes[firstPlane], std::byte{0});
+    bytes[firstPlane] = std::byte{1};
+    EXPECT_THAT(decodePage<TypeParam>(bytes, grid, page, "p"), HasError(ErrorCode::Corruption));
+}
+
 TYPED_TEST(BlockCodec, IsDeterministic) {
     const auto records = this->randomRecords(300, 50);
     EXPECT_EQ(encodePage<TypeParam>(records, PageOrder::Id, FarEnds::Keys, BrickGrid(kDims)),
@@ -216,7 +228,8 @@ TYPED_TEST(BlockCodec, SurvivesEveryFlippedBit) {
     const BrickGrid grid(kDims);
     for (const auto& [order, farEnds] : {std::pair{PageOrder::Value, FarEnds::Keys},
                                          {PageOrder::Value, FarEnds::Directions},
-                                         {PageOrder::Id, FarEnds::Keys}})
+                                         {PageOrder::Id, FarEnds::Keys},
+                                         {PageOrder::Id, FarEnds::Directions}})
         for (const std::size_t count : {3, 200}) {
             auto records = this->randomRecords(count, 12);
             if (order == PageOrder::Value)
