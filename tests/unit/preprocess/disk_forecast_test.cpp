@@ -46,9 +46,11 @@ struct ForecastCase {
 };
 
 std::vector<ForecastCase> forecastCases() {
+    // Linear in no direction: else differences between neighbouring values come again all over the range, which packs
+    // well, and a part of the volume does not show.
     const auto waves = [](auto x, auto y, auto z) {
         return std::sin(0.11 * static_cast<double>(x)) + std::cos(0.07 * static_cast<double>(y + z)) +
-               0.003 * static_cast<double>(z);
+               0.003 * static_cast<double>(z) + 0.00007 * static_cast<double>(z * z);
     };
     // Nothing but air for most of it: how full it is differs from layer to layer.
     const auto ball = [](auto x, auto y, auto z) {
