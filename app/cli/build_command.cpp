@@ -190,7 +190,7 @@ private:
         command
             .add_option_function<std::string>(
                 "--index", [this](const std::string& text) { kind_ = kindOrThrow(text); },
-                "metacells: smaller than the volume as a rule; edges: the paper's, 5 to 12 bytes per voxel; auto: metacells, or edges with --lod-error (auto)")
+                "metacells: smaller than the volume as a rule; edges: the paper's, 2 to 12 bytes per voxel; auto: metacells, or edges with --lod-error (auto)")
             ->type_name("KIND");
         addLodError(command, lodError_,
                     "edges: merge cells that differ by no more: % of the value range, or c (cells)");

@@ -61,7 +61,7 @@ public:
         addInteger(*command, "--steps", steps_, 1, kMostSteps, fmt::format("steps of each size ({})", steps_));
         command
             ->add_option("--folder", folder_,
-                         "where indexes are written meanwhile; those of edges take 5 to 12 bytes per voxel (the "
+                         "where indexes are written meanwhile; those of edges take 2 to 12 bytes per voxel (the "
                          "temporary folder)")
             ->type_name("FOLDER");
         addVolumeOptions(*command, volume_);
