@@ -370,10 +370,11 @@ TEST_P(Validation, FindsForgedRecords) {
 // A page may lack what is looked at in those of its kind.
 TEST_P(Validation, FindsPagesThatStateOtherFarEnds) {
     Forgery forgery;
-    forgery.farEnds = [](int, std::size_t page, FarEnds farEnds) {
-        return page > 0 ? farEnds : farEnds == FarEnds::Keys ? FarEnds::Directions : FarEnds::Keys;
+    forgery.farEnds = [](int level, std::size_t page, FarEnds farEnds) {
+        return level > 0 || page > 0 ? farEnds : farEnds == FarEnds::Keys ? FarEnds::Directions : FarEnds::Keys;
     };
-    EXPECT_THAT(faultsOfForgery(forgery), Contains(HasSubstr("page 0 of level 0 is one of another format version")));
+    EXPECT_THAT(faultsOfForgery(forgery),
+                testing::ElementsAre(HasSubstr("page 0 of level 0 is one of another format version")));
 }
 
 // Where cells are merged, edges do not follow from samples alone.
