@@ -5,7 +5,7 @@
 
 namespace isoslider {
 
-/// Divides by a number that stays the same with a multiplication, which takes a tenth of the time: times the inverse,
+/// Divides by a number that stays the same with a multiplication, which takes a fraction of the time: by the inverse,
 /// rounded up to 64 bits, which is exact for all 32-bit numbers (Lemire, Kaser, Kurz, "Faster remainder by direct
 /// computation", 2019). A divisor of 0 counts as 1.
 class FastDivider {

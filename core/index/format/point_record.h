@@ -35,7 +35,7 @@ constexpr std::uint8_t maskOf(std::uint8_t form) {
 /// it is smaller. Edges between equal scalars are never active and appear nowhere. Key: see scalar_key.h.
 ///
 /// DEVIATION from the paper, 2: there, records hold normals too, and scalars and normals of far ends. A point has up to
-/// six of them and stands at several levels, so they were nine tenths of an index. The samples, which are stored once,
+/// six of them and stands at several levels, so they were four fifths of an index. The samples, which are stored once,
 /// give them; of an edge a page states in which direction it goes (FarEnds).
 ///
 /// Of another form (record_form): `id` is the edge's lower point, or the merged cell's first one.
