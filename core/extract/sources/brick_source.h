@@ -176,7 +176,7 @@ private:
     bool isListOfEdges_; ///< else of bricks
     BrickActivity<Key> activity_;
     bool hasCounts_ = false; ///< its counts are those of the position
-    BlockWalk<Key> walk_; ///< uses activity_, from a thread of its own too
+    BlockWalk<Key> walk_; ///< uses activity_, also from a separate thread
     SampleReader<Sample>& samples_;
     glm::vec3 inverseSpacing_;
     MergeBound listBound_; ///< of the cells whose edges the list has

@@ -22,7 +22,6 @@ struct PageFacts {
     bool isThere = false;
     std::uint64_t firstKey = 0, firstId = 0, lastKey = 0, lastId = 0; // of its first and last record
     std::uint64_t points = 0, edges = 0, activated = 0, distinctKeys = 0;
-    std::uint64_t lastStated = 0; // key, by the directory
 };
 
 /// Each page of all levels is decoded once, on any thread; what it adds up to is compared afterwards.
@@ -164,7 +163,6 @@ private:
             return {}; // it may lack what is looked at
         }
         facts.isThere = true;
-        facts.lastStated = entry.lastKey;
         if (page.pointCount() != entry.points || page.entries != entry.edges)
             refuse("has other counts than the directory states");
         const auto [least, greatest] = std::minmax_element(page.keys.begin(), page.keys.end());
@@ -188,7 +186,7 @@ private:
         std::atomic<std::uint64_t>* held =
             block ? &blocks_[level - 1][static_cast<std::size_t>(block - meta_.levels[level].blocks.data())].held
                   : nullptr;
-        if (block && facts.lastStated > block->lastKey)
+        if (block && meta_.levels[level].pages[pageNumber].lastKey > block->lastKey)
             problem = "has a record outside the interval of its block";
         const bool isStrict = !(meta_.info.mergeError > 0.0);
         std::size_t at = 0;
@@ -204,13 +202,13 @@ private:
             if (const char* fault = block ? checkInBlock(record, *block) : checkAtLevel0(record))
                 problem = fault;
             countRecord(record, facts);
-            const EntrySums sums = sumsOf(record);
+            const std::uint64_t hash = hashInBlock(record);
             if (held) {
-                held->fetch_add(sums.edges + sums.interval, std::memory_order_relaxed);
+                held->fetch_add(hash, std::memory_order_relaxed);
                 continue;
             }
             for (std::size_t above = 1; above < meta_.levels.size(); ++above)
-                addWanted(above, record, sums);
+                addWanted(above, record, hash);
         }
         facts.points = page.pointCount();
         facts.distinctKeys += 1;
@@ -234,26 +232,22 @@ private:
                 page.form(i), isInterval,  page.farKeys.data() + at};
     }
 
-    // What a record adds to the sums of blocks.
-    struct EntrySums {
-        // Of edges with the sign of where they go, so that those with both ends in a block add up to nothing.
-        std::uint64_t edges = 0;
-        std::uint64_t interval = 0; // where the other end lies outside the block
-    };
-    EntrySums sumsOf(const Record& record) const {
-        EntrySums sums;
+    // What a record adds to the sum of its block. Of edges with the sign of where they go, so that those with both ends
+    // in a block add up to nothing; intervals with both ends in a block are left out.
+    std::uint64_t hashInBlock(const Record& record) const {
         if (record.isInterval) {
-            sums.interval = mixHash(mixHash(idHash(record.id), record.form), record.key);
+            std::uint64_t hash = mixHash(mixHash(idHash(record.id), record.form), record.key);
             for (int i = 0; i < std::popcount(record.mask); ++i)
-                sums.interval = mixHash(sums.interval, record.farKeys[i]);
-            return sums;
+                hash = mixHash(hash, record.farKeys[i]);
+            return hash;
         }
+        std::uint64_t sum = 0;
         const auto point = grid_.pointCoords(PointId(record.id));
         for (unsigned mask = record.mask; mask != 0; mask &= mask - 1) {
             const int edge = std::countr_zero(mask);
-            sums.edges += signedHash(lowerEnd(record.id, point, edge), edge / 2, record.rising >> edge & 1);
+            sum += signedHash(lowerEnd(record.id, point, edge), edge / 2, record.rising >> edge & 1);
         }
-        return sums;
+        return sum;
     }
 
     // Of the two ends of an edge the sum is 0, if they say the same of it.
@@ -284,7 +278,7 @@ private:
         return isRedundant ? "has an entry that is redundant in its block" : nullptr;
     }
 
-    void addWanted(std::size_t level, const Record& record, const EntrySums& sums) {
+    void addWanted(std::size_t level, const Record& record, std::uint64_t hash) {
         const auto& blocks = meta_.levels[level].blocks;
         const auto block = std::partition_point(blocks.begin(), blocks.end(),
                                                 [&](const BlockEntry& b) { return b.lastKey < record.key; });
@@ -292,12 +286,9 @@ private:
             hasKeysOutside_ = true;
             return;
         }
-        std::atomic<std::uint64_t>& wanted =
-            blocks_[level - 1][static_cast<std::size_t>(block - blocks.begin())].wanted;
-        if (!record.isInterval)
-            wanted.fetch_add(sums.edges, std::memory_order_relaxed);
-        else if (record.otherEnd() < block->firstKey || record.otherEnd() > block->lastKey)
-            wanted.fetch_add(sums.interval, std::memory_order_relaxed);
+        if (!record.isInterval || record.otherEnd() < block->firstKey || record.otherEnd() > block->lastKey)
+            blocks_[level - 1][static_cast<std::size_t>(block - blocks.begin())].wanted.fetch_add(
+                hash, std::memory_order_relaxed);
     }
 
     const char* checkAtLevel0(const Record& record) {

@@ -192,7 +192,7 @@ TYPED_TEST(BlockCodec, RefusesDirectionsOfWhatIsNotThere) {
     EXPECT_THAT(decodePage<TypeParam>(mixed, grid, page, "p"), HasError(ErrorCode::Corruption));
 }
 
-// In a page by id points have no keys of their own.
+// A page by id states no keys of points.
 TYPED_TEST(BlockCodec, RefusesKeysOfPointsWhereThereAreNone) {
     const BrickGrid grid(kDims);
     auto bytes = encodePage<TypeParam>(this->randomRecords(20, 40), PageOrder::Id, FarEnds::Directions, grid);
