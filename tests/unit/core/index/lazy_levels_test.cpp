@@ -247,6 +247,45 @@ TEST_F(LazyLevelsTest, NoteWhatIsNotWorthwhile) {
     ASSERT_THAT(extract::SlideEngine::open(path_).value()->slideTo(10000.0), IsOk());
 }
 
+// More totals than a page holds, of which each brick has one.
+TEST_F(LazyLevelsTest, OfManyBricksHaveSeveralPages) {
+    GridGeometry geometry;
+    geometry.dims = {2500, 2500, 2};
+    // Bricks begin one row after the other. Of four in a row one ends among the blocks, the others beyond.
+    grid_ =
+        test::makeVolume<std::uint16_t>(ScalarType::U16, geometry, [](std::int64_t x, std::int64_t y, std::int64_t) {
+            const bool isInside = x % kBrickSide == 4 && y % kBrickSide == 4;
+            const std::int64_t first = 20 * (y / kBrickSide), last = x / kBrickSide % 4 == 0 ? first + 1500 : 60000;
+            return isInside ? last : first + x % 3;
+        });
+    preprocess::BuildOptions options;
+    options.skipLevels = 2;
+    options.redundancyThreshold = 0.02;
+    options.kind = IndexKind::Metacells;
+    ASSERT_THAT(test::buildIndexOf(grid_, path_, options), IsOk());
+    reader_ = openReader();
+    const int level = std::bit_width(blockCount()) - 1; // the largest group
+    Lazy lazy(*reader_, 1u << 20, sumUp());
+    build(lazy, {{level, 0}});
+    const auto stored = lazy.find({level, 0});
+    ASSERT_TRUE(stored && stored->isWorthwhile) << level;
+    EXPECT_GT(stored->pages.size(), 1u);
+    Totals expected;
+    const BlockEntry& last = reader_->meta().levels.back().blocks[(std::uint64_t{1} << level) - 1];
+    std::vector<std::byte> bytes;
+    DecodedPage<std::uint16_t> page;
+    for (const PageEntry& place : reader_->meta().levels[0].pages) {
+        ASSERT_THAT(reader_->readPage(place, bytes), IsOk());
+        ASSERT_THAT(decodePage<std::uint16_t>(bytes, reader_->grid(), page, "page"), IsOk());
+        for (std::size_t i = 0; i < page.pointCount(); ++i)
+            if (page.keys[i] <= last.lastKey)
+                expected[page.ids[i] / kBrickPoints] += page.rising[i] != 0 ? 1 : -1;
+    }
+    std::erase_if(expected, [](const auto& total) { return total.second == 0; });
+    EXPECT_GT(expected.size(), kMaxPageTotals);
+    EXPECT_EQ(totalsOf(lazy, *stored), expected);
+}
+
 // Who walks for records has no use for those that others have built either.
 TEST_F(LazyLevelsTest, AreNotThereWithoutSums) {
     Lazy lazy(*reader_, 1u << 20, {});
