@@ -50,7 +50,8 @@ void LeafIntervals<Key>::find(const extract::StoredSample<Sample>* samples, cons
         open.forEachNotIn(now, [&](std::size_t cell) { found[cell].push_back({openSince[cell], until}); });
     };
     for (std::size_t i = 1; i < values.size(); ++i) {
-        extract::classify(samples, values[i], masks, i == 1 ? nullptr : &before, classified);
+        extract::classify(samples, values[i], masks,
+                          i == 1 ? std::nullopt : std::optional<extract::BitsInMemory>(before), classified);
         usable =
             (i == 1 ? extract::findBrickLeaves<Sample>(samples, classified.above, classified.active, masks.cells, bound,
                                                        sure, exceeding)

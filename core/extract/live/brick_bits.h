@@ -48,6 +48,19 @@ private:
     static constexpr std::uint64_t bitOf(ClosedPoint p) { return std::uint64_t{1} << (p.number() & 63); }
 };
 
+/// A bit string in memory that holds more than it: what stands in the place of the guard may be anything.
+struct BitsInMemory {
+    const std::uint64_t* words;
+
+    explicit BitsInMemory(const std::uint64_t* first) : words(first) {}
+    BitsInMemory(const BitString& bits) : words(bits.words.data()) {}
+    BitString copy() const {
+        BitString bits;
+        std::memcpy(bits.words.data(), words, kBitWords * sizeof *words);
+        return bits;
+    }
+};
+
 /// A bit string that starts with anything but for the guard: for what is written whole at once.
 struct UnsetBits {
     alignas(64) std::array<std::uint64_t, kBitWords + BitString::kGuard> words;
@@ -85,8 +98,8 @@ ISO_ALWAYS_INLINE std::uint64_t bitsFrom(const Bits& bits, ClosedPoint first) {
 }
 
 /// Calls visit(p) for each set bit, ascending.
-template <class Visit>
-inline void forEachSetBit(const BitString& bits, const Visit& visit) {
+template <class Bits, class Visit>
+inline void forEachSetBit(const Bits& bits, const Visit& visit) {
     for (int i = 0; i < kBitWords; ++i)
         for (std::uint64_t word = bits.words[static_cast<std::size_t>(i)]; word != 0; word &= word - 1)
             visit(ClosedPoint(64 * i + std::countr_zero(word)));

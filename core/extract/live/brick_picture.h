@@ -52,19 +52,26 @@ struct BrickArenas {
         return groupsOf<Live>(*this).at(firstVertex / kGroupSize);
     }
 
-    /// RunArena::clear() and trim() of all, isSparse() of any.
+    /// RunArena::clear(), settle() and trim() of all, isSparse() of any.
     void clear() {
         vertices.clear();
         indices.clear();
         inner.clear();
         points.clear();
     }
-    bool isSparse(std::uint64_t share) const {
-        return vertices.isSparse(share) || indices.isSparse(share) || inner.isSparse(share) || points.isSparse(share);
+    bool isSparse(std::uint64_t parts, std::uint64_t of) const {
+        return vertices.isSparse(parts, of) || indices.isSparse(parts, of) || inner.isSparse(parts, of) ||
+               points.isSparse(parts, of);
     }
     /// Below what belongs to a run or did so.
     std::uint64_t unusedBytes() const {
         return vertices.unusedBytes() + indices.unusedBytes() + inner.unusedBytes() + points.unusedBytes();
+    }
+    void settle() {
+        vertices.settle();
+        indices.settle();
+        inner.settle();
+        points.settle();
     }
     void trim() {
         vertices.trim();

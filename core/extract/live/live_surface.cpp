@@ -176,7 +176,7 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
 template <class Live>
 void LiveSurface<Live>::prefetch(BrickSlot slot) const {
     const Brick& brick = bricks_[slot.index()];
-    for (std::size_t line = 64; line < sizeof(Brick); line += 64)
+    for (std::size_t line = 0; line < sizeof(Brick); line += 64)
         __builtin_prefetch(reinterpret_cast<const char*>(&brick) + line);
     if (brick.ambiguousCells == 0)
         return;
@@ -210,16 +210,17 @@ void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
     retired_.add(version_, draft.retired);
 }
 
-// Memory, here and on the card, follows the highest run: where most of what is below it stays free, all runs move into
-// arenas that hold nothing else. The surface has lost half of what it had since the last time, so moves pay little for
+// Memory, here and on the card, follows the highest run: where much of what is below it stays free, all runs move into
+// arenas that hold nothing else. The surface has lost a third of what it had since the last time, so moves pay little for
 // it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as much
 // as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    sparseMoves_ = arenas_->isSparse(2) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
-    if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(kVerySparse)))
+    arenas_->settle();
+    sparseMoves_ = arenas_->isSparse(2, 3) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
+    if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(1, kVerySparse)))
         return;
     sparseMoves_ = 0;
     auto compacted = arenas_->alike();
@@ -257,9 +258,10 @@ void LiveSurface<Live>::replace(BrickSlot slot, BrickDraft<Live>& draft, const C
                                 double isovalue) {
     Brick& brick = bricks_[slot.index()];
     const std::uint64_t before = brick.cellCount > 0 ? ~std::uint64_t{0} : 0; // else what stands there is none of its
+    const BitsInMemory had = brick.cells();
     for (std::size_t w = 0; w < kBitWords; ++w)
         draft.counts.cellsChanged += static_cast<std::uint64_t>(
-            std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | (brick.cells.words[w] & before))));
+            std::popcount(draft.changed.words[w] & (draft.active.cells.words[w] | (had.words[w] & before))));
     if (const auto leaves = draft.merged.leaves(); !leaves.empty()) {
         const std::uint64_t changed = anyOfEight(draft.changed);
         for (const MergedLeaf& leaf : leaves)
@@ -399,10 +401,8 @@ void LiveSurface<Live>::commit(BrickSlot slot, BrickDraft<Live>& draft) {
     brick.innerVertices = static_cast<std::uint16_t>(inner);
     brick.indexCount = draft.indexCount;
     brick.ambiguousCells = static_cast<std::uint16_t>(draft.ambiguous.size());
-    brick.above = draft.above;
-    brick.cells = draft.active.cells;
     brick.cellCount = static_cast<std::uint16_t>(draft.active.cells.count());
-    brick.changed = draft.changed;
+    brick.set(draft.above, draft.active.cells, draft.changed);
     show(slot);
 }
 
@@ -469,9 +469,10 @@ void LiveSurface<Live>::listChanges(std::vector<ChangedTriangles>& triangles,
                 continue;
             const std::uint16_t* const own = arenas_->indices.at(brick.indices.begin);
             const std::size_t before = parts[part].size();
+            const BitString changed = brick.changed().copy();
             forEachCell(replaced_[i], [&](const SurfaceCell& cell) {
                 const std::uint16_t* const its = own + cell.firstIndex;
-                if (hasAnyCell(brick.changed, cell.cell, cell.level))
+                if (hasAnyCell(changed, cell.cell, cell.level))
                     parts[part].insert(parts[part].end(), its, its + cell.indexCount);
             });
             triangles[i].indexCount = static_cast<std::uint32_t>(parts[part].size() - before);

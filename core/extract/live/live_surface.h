@@ -99,7 +99,9 @@ public:
     const Brick& brick(BrickSlot slot) const { return bricks_[slot.index()]; }
     /// Asks for the memory that replace() will read and write, so that it comes while another brick is made. The head,
     /// which states where the rest is, must have come before.
-    void prefetchHead(BrickSlot slot) const { __builtin_prefetch(&bricks_[slot.index()]); }
+    void prefetchHead(BrickSlot slot) const {
+        __builtin_prefetch(static_cast<const LiveBrickHead*>(&bricks_[slot.index()]));
+    }
     void prefetch(BrickSlot slot) const;
     /// Of the edges, then of what lies inside cells. REQUIRES for this and the next: the brick has been replaced once.
     const VertexCode* codes(BrickSlot slot) const { return arenas_->vertices.at(bricks_[slot.index()].vertices.begin); }
@@ -171,7 +173,7 @@ private:
     glm::vec3 inverseSpacing_;
     BrickShapes shapes_;
     bool hasMissing_;
-    ChunkedArray<Brick, 14> bricks_; ///< by slot
+    ChunkedArray<Brick, 12> bricks_; ///< by slot
     std::vector<std::unique_ptr<BrickMasks>> nearMissing_; ///< by slot
     std::vector<cell::StateInterval> intervals_; ///< by slot: read for every brick at every move
     std::vector<std::uint8_t> hasInner_; ///< by slot, likewise
@@ -188,7 +190,7 @@ private:
     static constexpr int kSparseMoves = 8;
     static constexpr std::uint64_t kVerySparse = 8; ///< one in so many is used: then at once
     std::uint64_t slackBytes_ = 0;
-    int sparseMoves_ = 0; ///< after which the arenas were mostly free, one after the other
+    int sparseMoves_ = 0; ///< after which much of the arenas was free, one after the other
     bool hasCleared_ = false; ///< since compact()
     bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to
     std::vector<BrickSlot> replaced_; ///< in the last move
@@ -203,10 +205,11 @@ template <class Live>
 template <class Visit>
 void LiveSurface<Live>::forEachCell(BrickSlot slot, const Visit& visit) const {
     const Brick& brick = bricks_[slot.index()];
+    const BitString above = brick.above().copy();
     const AmbiguousCell* ambiguous = brick.ambiguousCells > 0 ? ambiguous_.at(brick.ambiguous.begin) : nullptr;
     std::uint32_t first = 0;
-    forEachSetBit(brick.cells, [&](ClosedPoint cell) {
-        const std::uint8_t signs = signsOfCell(brick.above, cell);
+    forEachSetBit(brick.cells(), [&](ClosedPoint cell) {
+        const std::uint8_t signs = signsOfCell(above, cell);
         const cell::CellState& state =
             states_[ambiguousSignTable()[signs] ? (ambiguous++)->state : cell::StateId{signs}];
         const auto count = static_cast<std::uint16_t>(state.triangles.size());

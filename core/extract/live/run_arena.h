@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,7 +23,8 @@ struct ArenaRun {
 };
 
 /// Elements of many bricks in one growing array; each brick owns one run. Runs are whole granules, never cross a
-/// chunk of the array, and are reused by size. Safe from any thread.
+/// chunk of the array, and are used again: the smallest free one that is large enough. Free runs that lie side by side
+/// are joined before the array grows for want of larger ones. Safe from any thread.
 template <class T, std::uint32_t Granule, int ChunkBits>
 class RunArena {
 public:
@@ -105,19 +107,24 @@ public:
     }
     /// Forgets all runs. Their memory is kept for others: to get it from the system again costs as much as filling it.
     void clear() {
-        freeBySize_.clear();
-        hasFree_.clear();
+        forgetFree();
         top_ = used_ = 0;
+    }
+    /// Where much of the array is free: top() becomes as low as the highest run lets it. O(free runs), seldom.
+    void settle() {
+        const std::lock_guard lock(mutex_);
+        if (isWorthJoining(kLargeShare))
+            joinFree();
     }
     /// Gives memory back that lies above all runs.
     void trim() { elements_.shrink(top_); }
 
     T* at(std::uint32_t index) { return elements_.at(index); }
     const T* at(std::uint32_t index) const { return elements_.at(index); }
-    /// One past the last element that belongs to a run or did so.
+    /// Above all elements that belong to a run.
     std::uint64_t top() const { return top_; }
-    /// Whether no more than one in `share` of the elements up to top() belongs to a run.
-    bool isSparse(std::uint64_t share) const { return top_ > share * used_ + kSparseSlack; }
+    /// Whether no more than `parts` in `of` of the elements below top() belong to a run.
+    bool isSparse(std::uint64_t parts, std::uint64_t of) const { return parts * top_ > of * used_ + kSparseSlack; }
 
     std::uint64_t unusedBytes() const { return (top_ - used_) * sizeof(T); }
 
@@ -141,60 +148,133 @@ private:
     void take(std::uint32_t granules, typename Ahead::Sized& sized) {
         const std::uint32_t size = granules * Granule;
         const std::lock_guard lock(mutex_);
-        const std::size_t free = granules < freeBySize_.size() ? freeBySize_[granules].size() : 0;
+        const std::size_t free = freeBySize_[granules].size();
         const auto count = static_cast<std::uint32_t>(std::clamp<std::size_t>(free / 2, 1, sized.begins.size()));
         for (; sized.count < count; ++sized.count)
             sized.begins[sized.count] = allocate(size);
     }
     std::uint32_t allocate(std::uint32_t size) {
-        const std::size_t granules = size / Granule;
-        // A little larger is as good; the rest stays free.
-        if (const std::size_t found = smallestFree(granules); found - granules <= kFit) {
-            const std::uint32_t begin = freeBySize_[found].back();
-            freeBySize_[found].pop_back();
-            if (freeBySize_[found].empty())
-                hasFree_[found / 64] &= ~(std::uint64_t{1} << (found % 64));
-            if (found > granules)
-                free(begin + size, static_cast<std::uint32_t>(found - granules) * Granule);
-            used_ += size;
-            return begin;
+        std::optional<std::uint32_t> begin = takeFree(size);
+        if (!begin && isWorthJoining(kSmallShare)) {
+            joinFree();
+            begin = takeFree(size);
         }
-        const std::uint64_t room = kChunk - top_ % kChunk;
-        if (room < size) {
-            free(static_cast<std::uint32_t>(top_), static_cast<std::uint32_t>(room));
-            top_ += room;
+        if (!begin) {
+            const std::uint64_t grown = top_ + size + (kChunk - top_ % kChunk < size ? kChunk - top_ % kChunk : 0);
+            if (grown > limit_)
+                throw std::bad_alloc();
+            elements_.grow(grown);
+            if (const std::uint64_t first = grown - size; first > top_)
+                free(static_cast<std::uint32_t>(top_), static_cast<std::uint32_t>(first - top_));
+            begin = static_cast<std::uint32_t>(grown - size);
+            top_ = grown;
         }
-        if (top_ + size > limit_)
-            throw std::bad_alloc();
-        elements_.grow(top_ + size);
-        const auto begin = static_cast<std::uint32_t>(top_);
-        top_ += size;
         used_ += size;
-        return begin;
+        return *begin;
+    }
+    /// A part of the smallest free run that has room; the rest of it stays free.
+    std::optional<std::uint32_t> takeFree(std::uint32_t size) {
+        const std::size_t granules = size / Granule;
+        ArenaRun found;
+        if (const std::size_t least = smallestFree(granules); least < kMostSizes) {
+            std::vector<std::uint32_t>& runs = freeBySize_[least];
+            found = {runs.back(), static_cast<std::uint32_t>(least) * Granule};
+            runs.pop_back();
+            if (runs.empty())
+                hasFree_[least / 64] &= ~(std::uint64_t{1} << (least % 64));
+        } else if (const auto large = std::find_if(freeLarge_.rbegin(), freeLarge_.rend(),
+                                                   [&](const ArenaRun& run) { return run.capacity >= size; });
+                   large != freeLarge_.rend()) {
+            found = *large;
+            *large = freeLarge_.back();
+            freeLarge_.pop_back();
+        } else {
+            return std::nullopt;
+        }
+        --freeRuns_;
+        if (found.capacity > size)
+            free(found.begin + size, found.capacity - size);
+        return found.begin;
     }
     void free(std::uint32_t begin, std::uint32_t size) {
         const std::size_t granules = size / Granule;
-        if (granules >= freeBySize_.size()) {
-            freeBySize_.resize(granules + 1);
-            hasFree_.resize(granules / 64 + 1, 0);
+        if (granules < kMostSizes) {
+            freeBySize_[granules].push_back(begin);
+            hasFree_[granules / 64] |= std::uint64_t{1} << (granules % 64);
+        } else {
+            freeLarge_.push_back({begin, size});
         }
-        freeBySize_[granules].push_back(begin);
-        hasFree_[granules / 64] |= std::uint64_t{1} << (granules % 64);
+        ++freeRuns_;
+        ++freedSinceJoined_;
     }
-    /// The least size of a free run that is not below `granules`; a very large number without one near it.
+    /// The least size of a free run that is not below `granules`, both below kMostSizes; else at least that.
     std::size_t smallestFree(std::size_t granules) const {
         const std::size_t first = granules / 64;
-        for (std::size_t word = first; word < hasFree_.size() && word <= first + 1; ++word) {
+        for (std::size_t word = first; word < hasFree_.size(); ++word) {
             const std::uint64_t bits =
                 hasFree_[word] & (word == first ? ~std::uint64_t{0} << (granules % 64) : ~std::uint64_t{0});
             if (bits != 0)
                 return 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
         }
-        return ~std::size_t{0};
+        return kMostSizes;
+    }
+    /// Not for what little of the array is free, nor before it may have other neighbours than the last time: so it
+    /// costs each run that was given back about as much as giving it back did.
+    bool isWorthJoining(std::uint64_t share) const {
+        return (top_ - used_) * share > top_ + kSparseSlack && 2 * freedSinceJoined_ > freeRuns_;
+    }
+    /// Joins free runs that lie side by side in a chunk; those below top() are none any more. O(free runs + array / 64
+    /// granules).
+    void joinFree() {
+        std::vector<std::uint64_t> isFree(top_ / Granule / 64 + 1, 0); // by granule
+        const auto mark = [&](std::uint32_t begin, std::uint32_t size) {
+            for (std::uint32_t at = begin / Granule, end = at + size / Granule; at != end;) {
+                const std::uint32_t here = std::min(end - at, 64 - at % 64);
+                isFree[at / 64] |= (~std::uint64_t{0} >> (64 - here)) << (at % 64);
+                at += here;
+            }
+        };
+        for (std::size_t granules = 0; granules < kMostSizes; ++granules)
+            for (const std::uint32_t begin : freeBySize_[granules])
+                mark(begin, static_cast<std::uint32_t>(granules) * Granule);
+        for (const ArenaRun& run : freeLarge_)
+            mark(run.begin, run.capacity);
+        forgetFree();
+        // From bit to bit at which it changes. Runs end where chunks do.
+        const std::uint64_t end = top_ / Granule, chunk = kChunk / Granule;
+        const auto next = [&](std::uint64_t at, bool isSet) { // the first that is set or not
+            while (at < end) {
+                const std::uint64_t word = (isSet ? isFree[at / 64] : ~isFree[at / 64]) >> (at % 64);
+                if (word != 0)
+                    return std::min(end, at + static_cast<std::uint64_t>(std::countr_zero(word)));
+                at = (at / 64 + 1) * 64;
+            }
+            return end;
+        };
+        for (std::uint64_t at = next(0, true); at < end;) {
+            const std::uint64_t firstTaken = next(at, false);
+            if (firstTaken == end) {
+                top_ = at * Granule;
+                break;
+            }
+            const std::uint64_t stop = std::min(firstTaken, (at / chunk + 1) * chunk);
+            free(static_cast<std::uint32_t>(at * Granule), static_cast<std::uint32_t>((stop - at) * Granule));
+            at = next(stop, true);
+        }
+        freedSinceJoined_ = 0;
+    }
+    void forgetFree() {
+        for (std::vector<std::uint32_t>& runs : freeBySize_)
+            runs.clear();
+        freeLarge_.clear();
+        hasFree_.fill(0);
+        freeRuns_ = freedSinceJoined_ = 0;
     }
 
-    static constexpr std::size_t kFit = 64;
+    static constexpr std::size_t kMostSizes = 256; ///< granules of runs that are listed by size
+    static constexpr std::uint64_t kSmallShare = 8, kLargeShare = 3;
     static constexpr std::uint32_t kMostAhead = 128; ///< granules of a run; there are few larger ones
+    static_assert(kMostAhead <= kMostSizes);
     static constexpr std::uint64_t kSparseSlack = 64 * std::uint64_t{Granule};
 
     ChunkedArray<T, ChunkBits> elements_;
@@ -202,8 +282,11 @@ private:
     std::uint64_t top_ = 0;
     std::uint64_t used_ = 0; ///< belong to a run
     SpinLock mutex_;
-    std::vector<std::vector<std::uint32_t>> freeBySize_;
-    std::vector<std::uint64_t> hasFree_; ///< a bit per size
+    std::array<std::vector<std::uint32_t>, kMostSizes> freeBySize_; ///< where they begin, by granules
+    std::array<std::uint64_t, kMostSizes / 64> hasFree_{}; ///< a bit per size
+    std::vector<ArenaRun> freeLarge_; ///< those that are larger
+    std::uint64_t freeRuns_ = 0;
+    std::uint64_t freedSinceJoined_ = 0; ///< runs
 };
 
 /// Of vertex codes and indices of triangles.

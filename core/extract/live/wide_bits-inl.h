@@ -22,6 +22,9 @@ struct WideBits {
     static HWY_INLINE WideBits load(const BitString& bits) {
         return {_mm512_load_si512(bits.words.data()), _mm512_maskz_loadu_epi64(kUpperWords, bits.words.data() + 8)};
     }
+    static HWY_INLINE WideBits load(BitsInMemory bits) {
+        return {_mm512_loadu_si512(bits.words), _mm512_maskz_loadu_epi64(kUpperWords, bits.words + 8)};
+    }
     template <class Bits>
     HWY_INLINE void store(Bits& bits) const {
         _mm512_store_si512(bits.words.data(), lower);

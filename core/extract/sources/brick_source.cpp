@@ -263,8 +263,6 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (slot.index() >= watch_.size()) {
             watch_.resize(slot.index() + 1);
             brickOf_.resize(slot.index() + 1);
-            usableLeaves_.resize(slot.index() + 1);
-            shownLeaves_.resize(slot.index() + 1);
             isOneLeaf_.resize(slot.index() + 1);
             isMadeOfEdges_.resize(slot.index() + 1);
         }
@@ -327,6 +325,10 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         sureCells_.release(0);
         sureBound_ = bound_;
     }
+    if (bound_.limit > 0.0 || hasNewBound_) {
+        usableLeaves_.resize(watch_.size());
+        shownLeaves_.resize(watch_.size());
+    }
     if (hasNewBound_ && bound_.limit == 0.0) {
         for (const BrickIndex brick : brickOf_)
             leavesOf_[brick.index()] = {};
@@ -339,6 +341,8 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
     else
         ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control,
                         {&BrickSource::rebuild, &BrickSource::prefetchPoints}));
+    if (hasNewBound_ && bound_.limit == 0.0)
+        usableLeaves_ = shownLeaves_ = {}; // none is any more
     hasNewBound_ = hasNewRegion_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
@@ -459,18 +463,26 @@ Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface
     return {};
 }
 
+// The signs that the brick had, if it was there. A brick that was made from its edges has left none: classifyFor()
+// finds them again.
+template <class Sample>
+std::optional<BitsInMemory> BrickSource<Sample>::aboveBefore(const LiveSurface<Live>& surface, const Job& job,
+                                                             const Scratch& scratch) const {
+    if (job.isNew)
+        return std::nullopt;
+    return isMadeOfEdges_[job.slot.index()] != 0 ? BitsInMemory(scratch.aboveBefore) : surface.brick(job.slot).above();
+}
+
 template <class Sample>
 void BrickSource<Sample>::classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job,
                                       Scratch& scratch) const {
     const Stored* const samples = pointsOf(surface, job, scratch).samples;
     const BrickMasks& masks = surface.masks(job.slot);
-    const BitString* before = job.isNew ? nullptr : &surface.brick(job.slot).above;
-    if (before != nullptr && isMadeOfEdges_[job.slot.index()] != 0) {
-        classify(samples, storedThreshold<Sample>(move.from), masks, nullptr, scratch.found);
+    if (!job.isNew && isMadeOfEdges_[job.slot.index()] != 0) {
+        classify(samples, storedThreshold<Sample>(move.from), masks, {}, scratch.found);
         scratch.aboveBefore = scratch.found.above;
-        before = &scratch.aboveBefore;
     }
-    classify(samples, storedThreshold<Sample>(move.to), masks, before, scratch.found);
+    classify(samples, storedThreshold<Sample>(move.to), masks, aboveBefore(surface, job, scratch), scratch.found);
 }
 
 // Reads the points of a brick that arrives, with the normals of all: a handle that moves on goes through the brick, and

@@ -168,6 +168,8 @@ private:
     void finish(const Move& move, LiveSurface<Live>& surface, const Job& job, Scratch& scratch);
     void compareEdgeCount(const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     static const Points& pointsOf(const LiveSurface<Live>& surface, const Job& job, const Scratch& scratch);
+    std::optional<BitsInMemory> aboveBefore(const LiveSurface<Live>& surface, const Job& job,
+                                            const Scratch& scratch) const;
     void classifyFor(const Move& move, const LiveSurface<Live>& surface, const Job& job, Scratch& scratch) const;
     void sortForReading(std::vector<BrickIndex>& bricks, bool backwards) const;
     Status readAhead(KeyThreshold from, KeyThreshold to, std::stop_token stop);
@@ -190,7 +192,7 @@ private:
     /// By brick, while cells are merged: leavesOfSurface(); those of a brick that is not live are none. So what lies
     /// around a brick is found without a look at slots.
     VirtualArray<BrickLeaves> leavesOf_;
-    std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise
+    std::vector<BrickLeaves> usableLeaves_; ///< by slot, likewise; else empty, as is shownLeaves_
     VirtualArray<SureCells> sureCells_; ///< by brick, of those that have been live with this bound:
     MergeBound sureBound_;
     ChunkedArray<LeafEdgeSamples<Stored>, 10> edgeSamples_; ///< by slot, where isOneLeaf_

@@ -77,10 +77,9 @@ bool BrickSource<Sample>::findLeaves(const Move& move, LiveSurface<Live>& surfac
         both = findBrickLeaves<Sample>(samples, scratch.found.above, scratch.found.active, validCells, bound_, sure,
                                        exceeding);
     } else {
-        const BitString& before =
-            isMadeOfEdges_[job.slot.index()] != 0 ? scratch.aboveBefore : surface.brick(job.slot).above;
-        both = updateBrickLeaves<Sample>(usable, before, scratch.found.changed, samples, scratch.found.above,
-                                         scratch.found.active, validCells, bound_, sure, exceeding);
+        both = updateBrickLeaves<Sample>(usable, aboveBefore(surface, job, scratch)->copy(), scratch.found.changed,
+                                         samples, scratch.found.above, scratch.found.active, validCells, bound_, sure,
+                                         exceeding);
     }
     usable = both.usable;
     const BrickLeaves& found = both.ofSurface;
@@ -186,7 +185,7 @@ bool BrickSource<Sample>::rebuildMerged(const Move& move, LiveSurface<Live>& sur
         scratch.found.above = found.above;
         scratch.found.up = found.up;
         scratch.found.down = found.down;
-        classifyAgain(surface.masks(job.slot), job.isNew ? nullptr : &surface.brick(job.slot).above, scratch.found);
+        classifyAgain(surface.masks(job.slot), aboveBefore(surface, job, scratch), scratch.found);
     } else {
         classifyFor(move, surface, job, scratch);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <optional>
 
 // Compiled once for each instruction set; the best one that the machine has is chosen when the program runs.
 #undef HWY_TARGET_INCLUDE
@@ -23,7 +24,8 @@ namespace isoslider::extract {
 
 // What follows from the signs, for every instruction set that this is inlined into.
 template <class T>
-inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks, const BitString* before,
+inline __attribute__((always_inline)) void finishClassification(const BrickMasks& masks,
+                                                                std::optional<BitsInMemory> before,
                                                                 ClassifiedBrick<T>& out) {
     findActive(out.above, masks, out.active);
     std::uint32_t owned = 0, added = 0, removed = 0;
@@ -115,7 +117,7 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RE
 #if HWY_TARGET <= HWY_AVX3_DL
 // As finishClassification().
 template <class T>
-HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+HWY_INLINE void finish(const BrickMasks& masks, std::optional<BitsInMemory> before, ClassifiedBrick<T>& out) {
     const WideBits above = WideBits::load(out.above);
     const WideBits right = above.down<1>();
     const std::array<WideBits, 3> edges{(above ^ right) & WideBits::load(masks.edges[0]),
@@ -154,24 +156,24 @@ HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, Classif
 }
 #else
 template <class T>
-HWY_INLINE void finish(const BrickMasks& masks, const BitString* before, ClassifiedBrick<T>& out) {
+HWY_INLINE void finish(const BrickMasks& masks, std::optional<BitsInMemory> before, ClassifiedBrick<T>& out) {
     finishClassification(masks, before, out);
 }
 #endif
 
 template <class T>
-void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks, const BitString* before,
-                       ClassifiedBrick<T>& out) {
+void classifyInVectors(const T* HWY_RESTRICT samples, T threshold, const BrickMasks& masks,
+                       std::optional<BitsInMemory> before, ClassifiedBrick<T>& out) {
     findSigns<kKeptPoints>(samples, threshold, out.above.words.data(), out.up, out.down);
     finish(masks, before, out);
 }
 
 #define ISO_CLASSIFY(Stored, Name) \
-    void classify##Name(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, \
+    void classify##Name(const Stored* s, Stored t, const BrickMasks& m, std::optional<BitsInMemory> b, \
                         ClassifiedBrick<Stored>& out) { \
         classifyInVectors(s, t, m, b, out); \
     } \
-    void classifyAgain##Name(const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+    void classifyAgain##Name(const BrickMasks& m, std::optional<BitsInMemory> b, ClassifiedBrick<Stored>& out) { \
         finish(m, b, out); \
     } \
     void classifyLeafEdges##Name(const LeafEdgeSamples<Stored>& e, Stored t, ClassifiedLeafEdges<Stored>& out) { \
@@ -201,12 +203,13 @@ namespace isoslider::extract {
 #define ISO_CLASSIFY(Stored, Name) \
     HWY_EXPORT(classify##Name); \
     template <> \
-    void classify(const Stored* s, Stored t, const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+    void classify(const Stored* s, Stored t, const BrickMasks& m, std::optional<BitsInMemory> b, \
+                  ClassifiedBrick<Stored>& out) { \
         HWY_DYNAMIC_DISPATCH(classify##Name)(s, t, m, b, out); \
     } \
     HWY_EXPORT(classifyAgain##Name); \
     template <> \
-    void classifyAgain(const BrickMasks& m, const BitString* b, ClassifiedBrick<Stored>& out) { \
+    void classifyAgain(const BrickMasks& m, std::optional<BitsInMemory> b, ClassifiedBrick<Stored>& out) { \
         HWY_DYNAMIC_DISPATCH(classifyAgain##Name)(m, b, out); \
     } \
     HWY_EXPORT(classifyLeafEdges##Name); \
@@ -223,8 +226,8 @@ std::uint32_t numberEdges(const ActiveBits& active, VertexCode* codes, VertexTab
 }
 
 template <class Stored>
-void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
-                       ClassifiedBrick<Stored>& out) {
+void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks,
+                       std::optional<BitsInMemory> before, ClassifiedBrick<Stored>& out) {
     out.above = {};
     out.up = std::numeric_limits<Stored>::max();
     out.down = std::numeric_limits<Stored>::lowest();
@@ -239,7 +242,7 @@ void classifyReference(const Stored* samples, Stored threshold, const BrickMasks
     finishClassification(masks, before, out);
 }
 #define ISO_INSTANTIATE(Stored, Name) \
-    template void classifyReference(const Stored*, Stored, const BrickMasks&, const BitString*, \
+    template void classifyReference(const Stored*, Stored, const BrickMasks&, std::optional<BitsInMemory>, \
                                     ClassifiedBrick<Stored>&);
 ISO_FOR_EACH_STORED_TYPE(ISO_INSTANTIATE)
 #undef ISO_INSTANTIATE

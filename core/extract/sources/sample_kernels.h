@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -24,19 +25,19 @@ struct ClassifiedBrick {
     Stored up, down; ///< the least sample above, and the greatest below; the type's greatest and least without one
 };
 
-/// One pass over the samples, some over the bits. `before`: the signs that the brick had; null for a brick that had
+/// One pass over the samples, some over the bits. `before`: the signs that the brick had; none for a brick that had
 /// none, of which every cell has changed. `samples`: kKeptPoints of them, those behind the last point repeat one of
 /// the brick; 64-byte aligned.
 template <class Stored>
-void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
+void classify(const Stored* samples, Stored threshold, const BrickMasks& masks, std::optional<BitsInMemory> before,
               ClassifiedBrick<Stored>& out);
 /// What follows from signs that are known: `out.above`, `out.up` and `out.down` are given, the rest is filled in.
 template <class Stored>
-void classifyAgain(const BrickMasks& masks, const BitString* before, ClassifiedBrick<Stored>& out);
+void classifyAgain(const BrickMasks& masks, std::optional<BitsInMemory> before, ClassifiedBrick<Stored>& out);
 /// As classify(), sample by sample: what that is tested against.
 template <class Stored>
-void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks, const BitString* before,
-                       ClassifiedBrick<Stored>& out);
+void classifyReference(const Stored* samples, Stored threshold, const BrickMasks& masks,
+                       std::optional<BitsInMemory> before, ClassifiedBrick<Stored>& out);
 
 /// What it makes of the samples on the edges of a brick that is one leaf.
 template <class Stored>

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -74,12 +75,15 @@ void expectSameClassification(std::mt19937& random) {
         for (const Stored threshold :
              {Stored(0), Stored(99), Stored(100), Stored(101), std::numeric_limits<Stored>::max()}) {
             const auto samples = samplesOf<Stored>(kind, random);
-            BitString before;
+            BitString signs;
             for (unsigned p = 0; p < kClosedPoints; ++p)
                 if (random() % 3 == 0)
-                    before.set(ClosedPoint(p));
-            for (const BitString* old :
-                 {static_cast<const BitString*>(nullptr), static_cast<const BitString*>(&before)}) {
+                    signs.set(ClosedPoint(p));
+            auto before = signs.words; // behind the words of signs others lie
+            for (std::size_t w = kBitWords; w < before.size(); ++w)
+                before[w] = random() | std::uint64_t{random()} << 32;
+            for (const bool wasThere : {false, true}) {
+                const auto old = wasThere ? std::optional<BitsInMemory>(before.data()) : std::nullopt;
                 ClassifiedBrick<Stored> plain, fast;
                 classifyReference(samples.values, threshold, masks, old, plain);
                 classify(samples.values, threshold, masks, old, fast);
@@ -179,7 +183,7 @@ TEST_P(LiveKernels, FindTheEdgesAndCellsThatTheSignsSay) {
     const BrickMasks& masks = innerMasks();
     const auto samples = samplesOf<float>(0, random_);
     ClassifiedBrick<float> found;
-    classify(samples.values, 100.0f, masks, nullptr, found);
+    classify(samples.values, 100.0f, masks, {}, found);
     const auto isAbove = [&](int x, int y, int z) { return samples.values[closedPoint(x, y, z).index()] >= 100.0f; };
     for (int z = 0; z < kPointSide; ++z)
         for (int y = 0; y < kPointSide; ++y)
@@ -286,7 +290,7 @@ void expectRecords(std::mt19937& random) {
 TEST_P(LiveKernels, NumberActiveEdgesInOrder) {
     for (const float threshold : {0.0f, 1.0f, 50.0f, 100.0f}) {
         ClassifiedBrick<float> found;
-        classify(samplesOf<float>(0, random_).values, threshold, innerMasks(), nullptr, found);
+        classify(samplesOf<float>(0, random_).values, threshold, innerMasks(), {}, found);
         VertexTable table;
         std::vector<VertexCode> codes(kMaxEdgeCodes);
         const std::uint32_t count = numberEdges(found.active, codes.data(), table);
@@ -426,7 +430,7 @@ TEST_P(LiveKernels, WriteTheTrianglesThatTheStatesHave) {
     std::array<bool, 256> seen{};
     for (int round = 0; round < 30; ++round) {
         ClassifiedBrick<float> found;
-        classify(samplesOf<float>(0, random_).values, 100.0f, innerMasks(), nullptr, found);
+        classify(samplesOf<float>(0, random_).values, 100.0f, innerMasks(), {}, found);
         CellList list;
         listCells(found.active.cells, found.above, list);
         VertexTable table;

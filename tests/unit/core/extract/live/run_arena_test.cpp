@@ -98,6 +98,49 @@ TEST(RunArena, GivesRunsAheadToOneOnly) {
     EXPECT_EQ(arena.unusedBytes(), arena.top() * sizeof(std::uint32_t));
 }
 
+// Small runs fill two chunks; then larger ones take their places, as far as what is kept between them lets them.
+TEST(RunArena, JoinsFreeRunsThatLieSideBySide) {
+    Arena arena;
+    constexpr std::size_t kSmall = 2 * 4096 / 16;
+    std::vector<ArenaRun> small(kSmall);
+    for (ArenaRun& run : small)
+        arena.resize(run, 16);
+    const std::uint64_t full = arena.top();
+    ASSERT_EQ(full, 2u * 4096);
+    const auto isKept = [](std::size_t i) { return i % 32 == 5; }; // else 31 lie side by side
+    for (std::size_t i = 0; i < kSmall; ++i) {
+        std::fill_n(arena.at(small[i].begin), 16, 0xffffu);
+        if (!isKept(i))
+            arena.release(small[i]);
+    }
+    std::vector<ArenaRun> large;
+    for (std::size_t k = 0; k < kSmall / 32 - 2; ++k) { // between 16 kept ones, but where chunks meet
+        ArenaRun& run = large.emplace_back();
+        arena.resize(run, 31 * 16);
+        std::fill_n(arena.at(run.begin), run.capacity, static_cast<std::uint32_t>(k));
+        EXPECT_EQ(run.begin >> 12, (run.begin + run.capacity - 1) >> 12) << "inside one chunk";
+    }
+    EXPECT_LE(arena.top(), full);
+    for (std::size_t i = 0; i < kSmall; ++i)
+        for (std::uint32_t e = 0; isKept(i) && e < 16; ++e)
+            ASSERT_EQ(*arena.at(small[i].begin + e), 0xffffu);
+    for (std::size_t k = 0; k < large.size(); ++k)
+        for (std::uint32_t e = 0; e < large[k].capacity; ++e)
+            ASSERT_EQ(*arena.at(large[k].begin + e), k);
+    for (ArenaRun& run : small)
+        arena.release(run);
+    for (std::size_t k = 0; k + 1 < large.size(); ++k)
+        arena.release(large[k]);
+    arena.settle();
+    EXPECT_EQ(arena.top(), large.back().begin + large.back().capacity) << "the highest that is left";
+    arena.release(large.back());
+    std::array<ArenaRun, 2> whole;
+    for (ArenaRun& run : whole)
+        arena.resize(run, 4096);
+    EXPECT_EQ(arena.top(), full) << "each fills a chunk";
+    EXPECT_EQ(arena.unusedBytes(), 0u);
+}
+
 TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
     const glm::vec3 place(1.25f, 7.0009765625f, 0.1f);
     const auto record = EdgeRecord<float>::inside({place, encodeNormal({0.0f, 1.0f, 0.0f}), 0});

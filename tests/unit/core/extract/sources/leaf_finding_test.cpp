@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -163,7 +164,7 @@ TEST(BrickLeaves, AreTheSameWithAndWithoutSureCells) {
                 for (int at = 0; at < 12; ++at) {
                     ClassifiedBrick<float> found;
                     classify(samples.values, samples.values[random() % kClosedPoints], masks,
-                             at == 0 ? nullptr : &before, found);
+                             at == 0 ? std::nullopt : std::optional<BitsInMemory>(before), found);
                     ExceedingEdges none;
                     const FoundLeaves all =
                         findBrickLeaves<float>(samples.values, found.above, found.active, masks.cells, bound, {}, none);
