@@ -211,9 +211,9 @@ void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
 }
 
 // Memory, here and on the card, follows the highest run: where much of what is below it stays free, all runs move into
-// arenas that hold nothing else. The surface has lost a third of what it had since the last time, so moves pay little for
-// it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as much
-// as what is in it.
+// arenas that hold nothing else. The surface has lost a third of what it had since the last time, so moves pay little
+// for it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as
+// much as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
