@@ -52,7 +52,7 @@ struct BrickArenas {
         return groupsOf<Live>(*this).at(firstVertex / kGroupSize);
     }
 
-    /// RunArena::clear(), settle() and trim() of all, isSparse() of any.
+    /// RunArena::clear() and trim() of all, isSparse() of any.
     void clear() {
         vertices.clear();
         indices.clear();
@@ -66,12 +66,6 @@ struct BrickArenas {
     /// Below what belongs to a run or did so.
     std::uint64_t unusedBytes() const {
         return vertices.unusedBytes() + indices.unusedBytes() + inner.unusedBytes() + points.unusedBytes();
-    }
-    void settle() {
-        vertices.settle();
-        indices.settle();
-        inner.settle();
-        points.settle();
     }
     void trim() {
         vertices.trim();

@@ -218,7 +218,6 @@ template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    arenas_->settle();
     sparseMoves_ = arenas_->isSparse(2, 3) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
     if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(1, kVerySparse)))
         return;

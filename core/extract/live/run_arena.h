@@ -110,18 +110,12 @@ public:
         forgetFree();
         top_ = used_ = 0;
     }
-    /// Where much of the array is free: top() becomes as low as the highest run lets it. O(free runs), seldom.
-    void settle() {
-        const std::lock_guard lock(mutex_);
-        if (isWorthJoining(kLargeShare))
-            joinFree();
-    }
     /// Gives memory back that lies above all runs.
     void trim() { elements_.shrink(top_); }
 
     T* at(std::uint32_t index) { return elements_.at(index); }
     const T* at(std::uint32_t index) const { return elements_.at(index); }
-    /// Above all elements that belong to a run.
+    /// Above all elements that belong to a run, or did so not long ago.
     std::uint64_t top() const { return top_; }
     /// Whether no more than `parts` in `of` of the elements below top() belong to a run.
     bool isSparse(std::uint64_t parts, std::uint64_t of) const { return parts * top_ > of * used_ + kSparseSlack; }
@@ -155,7 +149,7 @@ private:
     }
     std::uint32_t allocate(std::uint32_t size) {
         std::optional<std::uint32_t> begin = takeFree(size);
-        if (!begin && isWorthJoining(kSmallShare)) {
+        if (!begin && isWorthJoining()) {
             joinFree();
             begin = takeFree(size);
         }
@@ -220,8 +214,8 @@ private:
     }
     /// Not for what little of the array is free, nor before it may have other neighbours than the last time: so it
     /// costs each run that was given back about as much as giving it back did.
-    bool isWorthJoining(std::uint64_t share) const {
-        return (top_ - used_) * share > top_ + kSparseSlack && 2 * freedSinceJoined_ > freeRuns_;
+    bool isWorthJoining() const {
+        return (top_ - used_) * kSmallShare > top_ + kSparseSlack && 2 * freedSinceJoined_ > freeRuns_;
     }
     /// Joins free runs that lie side by side in a chunk; those below top() are none any more. O(free runs + array / 64
     /// granules).
@@ -272,7 +266,7 @@ private:
     }
 
     static constexpr std::size_t kMostSizes = 256; ///< granules of runs that are listed by size
-    static constexpr std::uint64_t kSmallShare = 8, kLargeShare = 3;
+    static constexpr std::uint64_t kSmallShare = 8;
     static constexpr std::uint32_t kMostAhead = 128; ///< granules of a run; there are few larger ones
     static_assert(kMostAhead <= kMostSizes);
     static constexpr std::uint64_t kSparseSlack = 64 * std::uint64_t{Granule};
