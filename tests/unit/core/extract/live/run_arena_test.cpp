@@ -136,6 +136,11 @@ TEST(RunArena, JoinsFreeRunsThatLieSideBySide) {
         arena.resize(run, 4096);
     EXPECT_EQ(arena.top(), full) << "each fills a chunk";
     EXPECT_EQ(arena.unusedBytes(), 0u);
+    arena.release(whole[0].begin < whole[1].begin ? whole[0] : whole[1]);
+    for (std::size_t k = 0; k < 4096 / 64; ++k)
+        arena.resize(small[k], 64);
+    EXPECT_EQ(arena.top(), full) << "what is left of a run stays free";
+    EXPECT_EQ(arena.unusedBytes(), 0u);
 }
 
 TEST(EdgeRecord, GivesThePlaceOfAVertexInsideACellBack) {
