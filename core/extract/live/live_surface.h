@@ -173,7 +173,7 @@ private:
     glm::vec3 inverseSpacing_;
     BrickShapes shapes_;
     bool hasMissing_;
-    ChunkedArray<Brick, 12> bricks_; ///< by slot
+    ChunkedArray<Brick, 12> bricks_; ///< by slot; in chunks below the size of large pages, which would hold few
     std::vector<std::unique_ptr<BrickMasks>> nearMissing_; ///< by slot
     std::vector<cell::StateInterval> intervals_; ///< by slot: read for every brick at every move
     std::vector<std::uint8_t> hasInner_; ///< by slot, likewise

@@ -342,7 +342,8 @@ Status BrickSource<Sample>::move(const Move& move, LiveSurface<Live>& surface, S
         ISO_TRY(runJobs(move, surface, std::move(jobs), stats, control,
                         {&BrickSource::rebuild, &BrickSource::prefetchPoints}));
     if (hasNewBound_ && bound_.limit == 0.0)
-        usableLeaves_ = shownLeaves_ = {}; // none is any more
+        for (auto* const leaves : {&usableLeaves_, &shownLeaves_}) // none is any more
+            std::vector<BrickLeaves>().swap(*leaves);
     hasNewBound_ = hasNewRegion_ = false;
     forRanges(refreshed.size(), kBricksTogether, [&](std::size_t begin, std::size_t end) {
         Scratch& scratch = scratches_->local();
