@@ -211,14 +211,14 @@ void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
 }
 
 // Memory, here and on the card, follows the highest run: where much of what is below it stays free, all runs move into
-// arenas that hold nothing else. The surface has lost a third of what it had since the last time, so moves pay little
+// arenas that hold nothing else. The surface has lost a quarter of what it had since the last time, so moves pay little
 // for it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as
 // much as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
         trim();
-    sparseMoves_ = arenas_->isSparse(2, 3) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
+    sparseMoves_ = arenas_->isSparse(3, 4) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
     if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(1, kVerySparse)))
         return;
     sparseMoves_ = 0;

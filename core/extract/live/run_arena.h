@@ -23,8 +23,8 @@ struct ArenaRun {
 };
 
 /// Elements of many bricks in one growing array; each brick owns one run. Runs are whole granules, never cross a
-/// chunk of the array, and are used again: the smallest free one that is large enough. Free runs that lie side by side
-/// are joined before the array grows for want of larger ones. Safe from any thread.
+/// chunk of the array, and are used again: the smallest free one that is large enough. Adjacent free runs are joined
+/// before the array grows because a larger one is missing. Safe from any thread.
 template <class T, std::uint32_t Granule, int ChunkBits>
 class RunArena {
 public:
@@ -115,7 +115,7 @@ public:
 
     T* at(std::uint32_t index) { return elements_.at(index); }
     const T* at(std::uint32_t index) const { return elements_.at(index); }
-    /// Above all elements that belong to a run, or did so not long ago.
+    /// One past the last element that belongs to a run or did so.
     std::uint64_t top() const { return top_; }
     /// Whether no more than `parts` in `of` of the elements below top() belong to a run.
     bool isSparse(std::uint64_t parts, std::uint64_t of) const { return parts * top_ > of * used_ + kSparseSlack; }
@@ -201,7 +201,7 @@ private:
         ++freeRuns_;
         ++freedSinceJoined_;
     }
-    /// The least size of a free run that is not below `granules`, both below kMostSizes; else at least that.
+    /// The least size of a listed free run that is not below `granules`; kMostSizes without one.
     std::size_t smallestFree(std::size_t granules) const {
         const std::size_t first = granules / 64;
         for (std::size_t word = first; word < hasFree_.size(); ++word) {
@@ -212,13 +212,12 @@ private:
         }
         return kMostSizes;
     }
-    /// Not for what little of the array is free, nor before it may have other neighbours than the last time: so it
-    /// costs each run that was given back about as much as giving it back did.
+    /// Where much of the array is free, and half of the free runs are new since the last time: so each run that is
+    /// given back costs about as much again.
     bool isWorthJoining() const {
-        return (top_ - used_) * kSmallShare > top_ + kSparseSlack && 2 * freedSinceJoined_ > freeRuns_;
+        return (top_ - used_) * kMuch > top_ + kSparseSlack && 2 * freedSinceJoined_ > freeRuns_;
     }
-    /// Joins free runs that lie side by side in a chunk; those below top() are none any more. O(free runs + array / 64
-    /// granules).
+    /// Joins adjacent free runs, but not across chunks. O(free runs + array / 64 granules).
     void joinFree() {
         std::vector<std::uint64_t> isFree(top_ / Granule / 64 + 1, 0); // by granule
         const auto mark = [&](std::uint32_t begin, std::uint32_t size) {
@@ -246,12 +245,7 @@ private:
             return end;
         };
         for (std::uint64_t at = next(0, true); at < end;) {
-            const std::uint64_t firstTaken = next(at, false);
-            if (firstTaken == end) {
-                top_ = at * Granule;
-                break;
-            }
-            const std::uint64_t stop = std::min(firstTaken, (at / chunk + 1) * chunk);
+            const std::uint64_t stop = std::min(next(at, false), (at / chunk + 1) * chunk);
             free(static_cast<std::uint32_t>(at * Granule), static_cast<std::uint32_t>((stop - at) * Granule));
             at = next(stop, true);
         }
@@ -266,7 +260,7 @@ private:
     }
 
     static constexpr std::size_t kMostSizes = 256; ///< granules of runs that are listed by size
-    static constexpr std::uint64_t kSmallShare = 8;
+    static constexpr std::uint64_t kMuch = 8; ///< one free element in so many
     static constexpr std::uint32_t kMostAhead = 128; ///< granules of a run; there are few larger ones
     static_assert(kMostAhead <= kMostSizes);
     static constexpr std::uint64_t kSparseSlack = 64 * std::uint64_t{Granule};
