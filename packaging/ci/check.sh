@@ -155,6 +155,19 @@ check_registration() {
   done < <(project_files tests | grep -E '^tests/.*_test\.cpp$' || true)
 }
 
+# Nothing that was built is kept: no compiled program, and no file larger than the largest sample and picture.
+readonly MAX_FILE_BYTES=1000000
+
+check_binaries() {
+  local built large
+  built=$(project_files | xargs -r -d '\n' grep -laP '\A(\x7fELF|!<arch>)' 2>/dev/null || true)
+  [[ -z $built ]] || fail "compiled files are not kept" "$built"
+  large=$(project_files | while read -r file; do
+    [[ ! -f $file ]] || (($(stat -c %s "$file") <= MAX_FILE_BYTES)) || echo "$file"
+  done)
+  [[ -z $large ]] || fail "files of more than $MAX_FILE_BYTES bytes are not kept" "$large"
+}
+
 check_documents() {
   local file
   for file in LICENSE README.md CHANGELOG.md CONTRIBUTING.md; do
@@ -248,6 +261,7 @@ if [[ ${1:-} != --links ]]; then
   check_sizes
   check_registration
   check_documents
+  check_binaries
 fi
 [[ ${1:-} == --quick ]] || check_links
 echo "check.sh: all rules kept"
