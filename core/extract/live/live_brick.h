@@ -16,18 +16,18 @@ namespace isoslider::extract {
 struct LiveBrickHead {
     BrickIndex index;
     std::uint16_t ambiguousCells = 0;
-    std::uint16_t cellCount = 0; ///< of `cells`
+    bool isLive = false;
+    bool hasPoints = false; ///< else nothing is in its run of points
     ArenaRun points, ambiguous, vertices, indices, inner, merged;
     std::uint32_t indexCount = 0;
     std::uint32_t pointsVersion = 0; ///< the move that brought the points
+    std::uint16_t cellCount = 0; ///< of `cells`
     std::uint16_t edgeVertices = 0;
     std::uint16_t innerVertices = 0;
     std::uint16_t ownedEdges = 0;
     std::uint16_t mergedCells = 0; ///< that the surface passes through
     std::array<std::uint8_t, kMaxBrickMergeLevel> mergedByLevel{}; ///< the same of side 2, 4 and 8
-    bool isLive = false;
     bool isNearMissing = false;
-    bool hasPoints = false; ///< else nothing is in its run of points
 };
 
 /// The bits of a brick, those of the last one in its place until it is made for the first time.
