@@ -18,8 +18,8 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What an engine stands on: a reader, and samples where the source needs some. Points of bricks that have left are
-/// kept within the bound on caches.
+/// What an engine stands on: a reader, and samples where the source needs some. Of the bound on caches the list of
+/// changes may take a part; points of bricks that have left are kept in what it and the samples leave.
 template <class Sample>
 struct MemoryBacking {
     using Source = BrickSource<Sample>;
@@ -27,7 +27,7 @@ struct MemoryBacking {
     std::unique_ptr<index::IndexReader> reader;
     MemorySamples<Sample> samples;
     Source source;
-    std::uint64_t keptPointBytes;
+    std::uint64_t leastPointBytes;
     static constexpr bool kIsIndex = false;
 
     MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList,
@@ -36,7 +36,8 @@ struct MemoryBacking {
           reader(std::move(brickList)),
           samples(*grid),
           source(*reader, samples, options.cacheBytes.value_or(kSmallCacheBytes) / 2),
-          keptPointBytes(options.cacheBytes.value_or(kSmallCacheBytes) / 2) {}
+          leastPointBytes(options.cacheBytes.value_or(kSmallCacheBytes) / 2) {}
+    std::uint64_t pointBytes() const { return leastPointBytes; }
 };
 
 template <class Sample>
@@ -45,23 +46,29 @@ struct StoreBacking {
     std::unique_ptr<index::IndexReader> reader;
     StoredSamples<Sample> samples;
     Source source;
-    std::uint64_t keptPointBytes;
+    std::uint64_t cacheBytes, leastPointBytes;
     static constexpr bool kIsIndex = true;
-    static constexpr std::uint64_t kPointsShare = 4; // of the cache, at least; and what samples leave, up to half of it
+    static constexpr std::uint64_t kPointsShare = 4; // of the cache, at least; and what others leave, up to half of it
     static std::uint64_t listBytes(const index::IndexReader& reader, std::uint64_t cacheBytes) {
-        return cacheBytes / (reader.info().kind == index::IndexKind::Edges ? 2 : 8); // a list of bricks is small
+        return cacheBytes / (reader.info().kind == index::IndexKind::Edges ? 4 : 8); // a list of bricks is small
     }
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
         : StoreBacking(std::move(opened), options.cacheBytes.value_or(kIndexCacheBytes)) {}
-    StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t cacheBytes)
+    StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t bytes)
         : reader(std::move(opened)),
-          samples(*reader, cacheBytes - listBytes(*reader, cacheBytes) - cacheBytes / kPointsShare),
-          source(*reader, samples, listBytes(*reader, cacheBytes),
+          samples(*reader, bytes - listBytes(*reader, bytes) - bytes / kPointsShare),
+          source(*reader, samples, listBytes(*reader, bytes),
                  boundOf(builtError(reader->info()), reader->info().min, reader->info().max)),
-          keptPointBytes(
-              std::clamp(cacheBytes - std::min(cacheBytes, listBytes(*reader, cacheBytes) + samples.mostBytes()),
-                         cacheBytes / kPointsShare, cacheBytes / 2)) {}
+          cacheBytes(bytes),
+          leastPointBytes(pointBytesBeside(listBytes(*reader, bytes))) {}
+
+    /// A list of edges is large where the handle goes through it slowly; of jumps little is kept.
+    std::uint64_t pointBytes() const { return pointBytesBeside(source.listBytes()); }
+    std::uint64_t pointBytesBeside(std::uint64_t list) const {
+        return std::clamp(cacheBytes - std::min(cacheBytes, list + samples.mostBytes()), cacheBytes / kPointsShare,
+                          cacheBytes / 2);
+    }
 };
 
 template <class Backing>
@@ -80,8 +87,7 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setMergeBound(wantedBound_);
         backing_.source.setBuildsLevels(options.buildsLevels);
-        surface_.keepPoints(backing_.keptPointBytes);
-        surface_.setSlack(backing_.keptPointBytes / 4);
+        surface_.setSlack(backing_.leastPointBytes / 4);
     }
 
     const index::IndexInfo& info() const override { return meta().info; }
@@ -225,6 +231,7 @@ private:
             stats.edgesRemoved += surface_.activeEdges();
             surface_.clear();
         }
+        surface_.keepPoints(backing_.pointBytes());
         surface_.beginMove();
         ISO_TRY(backing_.source.move({start, target, isovalue}, surface_, stats, job));
         surface_.compact();

@@ -37,6 +37,12 @@ std::optional<KeptPoints::Kept> KeptPoints::take(BrickIndex brick) {
     const Link link = linkOf_[brick.index()];
     if (link == 0)
         return std::nullopt;
+    return remove(link);
+}
+
+ArenaRun KeptPoints::giveUp() { return remove(oldest_).run; }
+
+KeptPoints::Kept KeptPoints::remove(Link link) {
     unlink(link);
     free_.push_back(link);
     --count_;

@@ -23,14 +23,18 @@ public:
     explicit KeptPoints(std::uint64_t brickCount) : linkOf_(brickCount) {}
 
     std::size_t bound() const { return bound_; }
+    /// Where more are kept, giveUp() them.
     void setBound(std::size_t count) { bound_ = count; }
     std::size_t count() const { return count_; }
 
-    /// REQUIRES: none of the brick are kept; the bound is not 0. Returns the run that is given up for it, if any.
+    /// REQUIRES: none of the brick are kept; the bound is not 0, and no more are kept. Returns the run that is given up
+    /// for it, if any.
     /// Throws std::bad_alloc.
     std::optional<ArenaRun> put(BrickIndex brick, const Kept& kept);
     /// Gives back what is kept of the brick.
     std::optional<Kept> take(BrickIndex brick);
+    /// Gives up the one that left first. REQUIRES: some are kept.
+    ArenaRun giveUp();
     void clear() noexcept;
     /// Calls visit(ArenaRun&) for each run that is kept.
     template <class Visit>
@@ -49,6 +53,7 @@ private:
         bool isUsed = false;
     };
     void unlink(Link link);
+    Kept remove(Link link);
 
     std::size_t bound_ = 0, count_ = 0;
     VirtualArray<Link> linkOf_; ///< by brick

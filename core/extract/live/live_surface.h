@@ -52,9 +52,10 @@ public:
                 bool keepsGroups = false);
 
     bool keepsGroups() const { return arenas_->hasGroups; }
-    /// From now on points of bricks that leave are kept, up to that many bytes of them, for when the bricks come back.
-    /// REQUIRES: bricks have all their points from the first replace() on.
-    void keepPoints(std::uint64_t bytes) { kept_.setBound(bytes / (pointLines_ * sizeof(PointLine))); }
+    /// From now on points of bricks that leave are kept, up to that many bytes of them, for when the bricks come back;
+    /// what is more than that is given up. REQUIRES: bricks have all their points from the first replace() on; no move
+    /// has begun.
+    void keepPoints(std::uint64_t bytes);
     /// So much memory is never given back by compact(): a handle goes to and fro, and to have memory again costs as
     /// much as filling it.
     void setSlack(std::uint64_t bytes) { slackBytes_ = bytes; }

@@ -38,17 +38,31 @@ void LiveSurface<Live>::addKeptRuns(std::vector<RetiredRuns>& runs) {
     kept_.forEachRun([&](const ArenaRun& run) { runs.push_back({{}, {}, {}, run}); });
 }
 
+// There may be pictures of those that are given up.
+template <class Live>
+void LiveSurface<Live>::keepPoints(std::uint64_t bytes) {
+    kept_.setBound(bytes / (pointLines_ * sizeof(PointLine)));
+    if (kept_.count() <= kept_.bound())
+        return;
+    std::vector<RetiredRuns> runs;
+    runs.reserve(kept_.count() - kept_.bound());
+    while (kept_.count() > kept_.bound())
+        runs.push_back({{}, {}, {}, kept_.giveUp()});
+    retired_.add(version_ + 1, runs);
+}
+
 template <class Live>
 void LiveSurface<Live>::dropKeptPoints() {
     std::vector<RetiredRuns> runs;
     addKeptRuns(runs);
     kept_.clear();
-    retired_.add(version_ + 1, runs); // there may be pictures of them
+    retired_.add(version_ + 1, runs);
 }
 
 #define ISO_INSTANTIATE(Live) \
     template void LiveSurface<Live>::putPoints(BrickSlot, BrickDraft<Live>&); \
     template void LiveSurface<Live>::leavePoints(Brick&); \
+    template void LiveSurface<Live>::keepPoints(std::uint64_t); \
     template void LiveSurface<Live>::addKeptRuns(std::vector<RetiredRuns>&); \
     template void LiveSurface<Live>::dropKeptPoints();
 ISO_INSTANTIATE(float)

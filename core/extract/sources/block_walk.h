@@ -60,6 +60,8 @@ public:
         return pagesLost_;
     }
 
+    /// Of what is kept of the list.
+    std::uint64_t memoryBytes() const { return cache_.memoryBytes() + lazyLevels_.memoryBytes(); }
     /// And of damaged pages.
     void dropCaches() {
         lazyLevels_.wait();

@@ -84,6 +84,7 @@ public:
             ahead_.join();
         walk_.waitForLevels();
     }
+    std::uint64_t listBytes() const override { return walk_.memoryBytes(); }
     void dropCaches() override {
         walk_.dropCaches();
         samples_.dropCaches();

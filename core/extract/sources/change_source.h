@@ -51,6 +51,8 @@ public:
     virtual void setBuildsLevels(bool /*builds*/) {}
     /// Waits until what prefetch() asked for has been read, and those levels are built.
     virtual void waitForPrefetch() {}
+    /// Bytes of what is kept of lists, without samples.
+    virtual std::uint64_t listBytes() const { return 0; }
     /// Forgets what is kept of what has been read, after waitForPrefetch().
     virtual void dropCaches() {}
 

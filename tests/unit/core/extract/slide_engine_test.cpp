@@ -295,6 +295,35 @@ TEST_F(SlideEngineTest, KeptPointsSurviveThatMemoryIsGivenBack) {
     EXPECT_GT(cameBack, 5);
 }
 
+// Of the bound on caches points have a half where the list of edges and the samples leave it, and less after a handle
+// has gone through the list slowly, so that much of it is kept.
+TEST_F(SlideEngineTest, PointsAreKeptInWhatTheListLeaves) {
+    const auto path = folder_ / "edges.isx";
+    ASSERT_THAT(test::buildIndexOf(hills_, path, {}), IsOk());
+    constexpr std::uint64_t kCacheBytes = std::uint64_t{512} << 10, kHalf = kCacheBytes / 2;
+    const auto keptBytes = [&](bool goesSlowly) -> std::uint64_t { // of points that a handle finds which comes back
+        const auto engine = SlideEngine::open(path, {kCacheBytes}).value();
+        for (double isovalue = 100.0; goesSlowly && isovalue < 700.0; isovalue += 1.0)
+            EXPECT_THAT(engine->slideTo(isovalue), IsOk());
+        SurfaceFrame frame;
+        for (const double isovalue : {300.0, 1e9, 300.0, 1e9, 300.0}) {
+            EXPECT_THAT(engine->slideTo(isovalue), IsOk());
+            engine->copyFrame(frame);
+        }
+        EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills_, 300.0).value()));
+        const auto bricks = frame.bricks->bricks();
+        const auto cameBack = std::count_if(bricks.begin(), bricks.end(), [](const PictureBrick& brick) {
+            return brick.indexCount > 0 && brick.pointsVersion < brick.version;
+        });
+        return static_cast<std::uint64_t>(cameBack) * pointLineCount(sizeof(std::uint16_t)) * sizeof(PointLine);
+    };
+    const std::uint64_t after = keptBytes(false), afterSlow = keptBytes(true);
+    EXPECT_LE(after, kHalf);
+    EXPECT_GT(after, kHalf * 9 / 10);
+    EXPECT_LT(afterSlow, kHalf * 8 / 10);
+    EXPECT_GT(afterSlow, kHalf * 4 / 10);
+}
+
 // What vertices are made from may be kept beside them: the arrays are the same, also when bricks have moved in memory,
 // while a picture is held and while none is, with merged cells and without.
 TEST_F(SlideEngineTest, ArraysFromKeptGroupsAreThoseFromPoints) {

@@ -15,7 +15,8 @@ TEST(KeptPoints, GivesUpWhatLeftFirst) {
     std::mt19937 random(3);
     constexpr std::uint32_t kBricks = 60;
     KeptPoints kept(kBricks);
-    kept.setBound(17);
+    std::size_t bound = 17;
+    kept.setBound(bound);
     std::list<std::pair<std::uint32_t, std::uint32_t>> expected; // brick, begin of its run
     std::uint32_t next = 1;
     for (int step = 0; step < 20000; ++step) {
@@ -24,6 +25,13 @@ TEST(KeptPoints, GivesUpWhatLeftFirst) {
         if (step % 5000 == 4999) {
             kept.clear();
             expected.clear();
+        } else if (step % 50 == 0) {
+            bound = 10 + random() % 10;
+            kept.setBound(bound);
+            while (kept.count() > bound) {
+                ASSERT_EQ(kept.giveUp().begin, expected.back().second);
+                expected.pop_back();
+            }
         } else if (at != expected.end() || random() % 3 == 0) {
             const auto taken = kept.take(BrickIndex{brick});
             ASSERT_EQ(taken.has_value(), at != expected.end());
@@ -34,7 +42,7 @@ TEST(KeptPoints, GivesUpWhatLeftFirst) {
             }
         } else {
             const auto givenUp = kept.put(BrickIndex{brick}, {{next, 48}, next + 5});
-            ASSERT_EQ(givenUp.has_value(), expected.size() == 17);
+            ASSERT_EQ(givenUp.has_value(), expected.size() == bound);
             if (givenUp) {
                 ASSERT_EQ(givenUp->begin, expected.back().second);
                 expected.pop_back();
