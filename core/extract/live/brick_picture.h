@@ -52,7 +52,7 @@ struct BrickArenas {
         return groupsOf<Live>(*this).at(firstVertex / kGroupSize);
     }
 
-    /// RunArena::clear() and trim() of all, isSparse() of any.
+    /// As those of RunArena: of all, of any, of those that are sparse.
     void clear() {
         vertices.clear();
         indices.clear();
@@ -63,6 +63,26 @@ struct BrickArenas {
         return vertices.isSparse(parts, of) || indices.isSparse(parts, of) || inner.isSparse(parts, of) ||
                points.isSparse(parts, of);
     }
+    bool isEvacuating() const {
+        return vertices.isEvacuating() || indices.isEvacuating() || inner.isEvacuating() || points.isEvacuating();
+    }
+    void evacuateSparse(std::uint64_t parts, std::uint64_t of) {
+        const auto evacuate = [&](auto& arena) {
+            if (arena.isSparse(parts, of))
+                arena.evacuate();
+        };
+        evacuate(vertices);
+        evacuate(indices);
+        evacuate(inner);
+        evacuate(points);
+    }
+    void finishEvacuation() {
+        vertices.finishEvacuation();
+        indices.finishEvacuation();
+        inner.finishEvacuation();
+        points.finishEvacuation();
+        trimGroups();
+    }
     /// Below what belongs to a run or did so.
     std::uint64_t unusedBytes() const {
         return vertices.unusedBytes() + indices.unusedBytes() + inner.unusedBytes() + points.unusedBytes();
@@ -72,11 +92,14 @@ struct BrickArenas {
         indices.trim();
         inner.trim();
         points.trim();
-        groups_.shrink(vertices.top() / kGroupSize);
-        doubleGroups_.shrink(vertices.top() / kGroupSize);
+        trimGroups();
     }
 
 private:
+    void trimGroups() {
+        groups_.shrink(vertices.top() / kGroupSize);
+        doubleGroups_.shrink(vertices.top() / kGroupSize);
+    }
     template <class Live, class Arenas>
     static auto& groupsOf(Arenas& arenas) {
         if constexpr (std::is_same_v<Live, float>)

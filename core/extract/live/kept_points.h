@@ -36,12 +36,12 @@ public:
     /// Gives up the one that left first. REQUIRES: some are kept.
     ArenaRun giveUp();
     void clear() noexcept;
-    /// Calls visit(ArenaRun&) for each run that is kept.
+    /// Calls visit(Kept&) for each.
     template <class Visit>
-    void forEachRun(const Visit& visit) {
+    void forEach(const Visit& visit) {
         for (Node& node : nodes_)
             if (node.isUsed)
-                visit(node.kept.run);
+                visit(node.kept);
     }
 
 private:

@@ -210,45 +210,6 @@ void LiveSurface<Live>::finishMove(BrickDraft<Live>& draft) {
     retired_.add(version_, draft.retired);
 }
 
-// Memory, here and on the card, follows the highest run: where much of what is below it stays free, all runs move into
-// arenas that hold nothing else. The surface has lost a quarter of what it had since the last time, so moves pay little
-// for it; not at once if it is not much smaller: a jump leaves room that the next one fills, and new memory costs as
-// much as what is in it.
-template <class Live>
-void LiveSurface<Live>::compact() {
-    if (hasCleared_)
-        trim();
-    sparseMoves_ = arenas_->isSparse(3, 4) && arenas_->unusedBytes() > slackBytes_ ? sparseMoves_ + 1 : 0;
-    if (sparseMoves_ == 0 || (sparseMoves_ < kSparseMoves && !arenas_->isSparse(1, kVerySparse)))
-        return;
-    sparseMoves_ = 0;
-    auto compacted = arenas_->alike();
-    const auto moveRun = [](auto& to, const auto& from, ArenaRun& run) {
-        const ArenaRun moved = to.alike(run);
-        if (moved.capacity > 0)
-            std::memcpy(to.at(moved.begin), from.at(run.begin), moved.capacity * sizeof(*from.at(0)));
-        run = moved;
-    };
-    for (const BrickSlot slot : slots()) {
-        Brick& brick = bricks_[slot.index()];
-        if (!brick.isLive)
-            continue;
-        const std::uint32_t vertices = brick.vertices.begin;
-        moveRun(compacted->vertices, arenas_->vertices, brick.vertices);
-        if (compacted->hasGroups && brick.edgeVertices > 0) {
-            const auto* const groups = arenas_->template groupsAt<Live>(vertices);
-            std::copy_n(groups, groupCount(brick.edgeVertices), compacted->template groupsFor<Live>(brick.vertices));
-        }
-        moveRun(compacted->indices, arenas_->indices, brick.indices);
-        moveRun(compacted->inner, arenas_->inner, brick.inner);
-        moveRun(compacted->points, arenas_->points, brick.points);
-        show(slot);
-    }
-    kept_.forEachRun([&](ArenaRun& run) { moveRun(compacted->points, arenas_->points, run); });
-    arenas_ = std::move(compacted);
-    retired_.clear(); // pictures keep the arenas that they are of
-}
-
 // PAPER 3.2, 3.3: there, arrays E, I, V and N hold the whole surface, changed edge by edge, deletions first, so that
 // additions fill the holes. DEVIATION: the same arrays once for each brick, replaced whole (LIVE.md): no holes are
 // left, no cell looks for its neighbours' vertices, and all bricks of a move may be replaced at once.

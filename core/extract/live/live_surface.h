@@ -138,6 +138,7 @@ private:
     void commit(BrickSlot slot, BrickDraft<Live>& draft);
     void forgetBricks() noexcept;
     void trim() noexcept;
+    void moveRunsDown();
     void readRecords(const PointLine* points, const VertexCode* codes, std::uint32_t count,
                      BrickDraft<Live>& draft) const;
     Record recordOf(BrickSlot slot, std::uint32_t vertex) const;
@@ -191,6 +192,7 @@ private:
     static constexpr int kSparseMoves = 8;
     static constexpr std::uint64_t kVerySparse = 8; ///< one in so many is used: then at once
     std::uint64_t slackBytes_ = 0;
+    std::size_t nextToMove_ = 0; ///< the first slot that moveRunsDown() has not looked at
     int sparseMoves_ = 0; ///< after which much of the arenas was free, one after the other
     bool hasCleared_ = false; ///< since compact()
     bool isWatched_ = false; ///< in this move: there are pictures, and nothing of them may be written to

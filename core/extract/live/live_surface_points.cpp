@@ -35,7 +35,7 @@ void LiveSurface<Live>::leavePoints(Brick& brick) {
 
 template <class Live>
 void LiveSurface<Live>::addKeptRuns(std::vector<RetiredRuns>& runs) {
-    kept_.forEachRun([&](const ArenaRun& run) { runs.push_back({{}, {}, {}, run}); });
+    kept_.forEach([&](const KeptPoints::Kept& kept) { runs.push_back({{}, {}, {}, kept.run}); });
 }
 
 // There may be pictures of those that are given up.

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -25,6 +26,9 @@ struct ArenaRun {
 /// Elements of many bricks in one growing array; each brick owns one run. Runs are whole granules, never cross a
 /// chunk of the array, and are used again: the smallest free one that is large enough. Adjacent free runs are joined
 /// before the array grows because a larger one is missing. Safe from any thread.
+///
+/// Where much of it is free, the array is made shorter: evacuate() leaves runs below a place to be taken only, those
+/// that reach above are for their owners to move there, some at a time, and once none is left the array ends there.
 template <class T, std::uint32_t Granule, int ChunkBits>
 class RunArena {
 public:
@@ -100,14 +104,55 @@ public:
         for (const Owner& owner : owners)
             giveBack(owner.*run);
     }
-    /// A run of the same size as `run`, of another arena. Throws std::bad_alloc.
-    ArenaRun alike(const ArenaRun& run) {
+    /// Begins to empty the array from where what is in use would fit below, with an eighth of that to spare, or a
+    /// quarter or a half where less was too little the last times. Does nothing where it would end further up.
+    /// REQUIRES: no thread has runs ahead.
+    void evacuate() {
         const std::lock_guard lock(mutex_);
-        return run.capacity > 0 ? ArenaRun{allocate(run.capacity), run.capacity} : ArenaRun{};
+        const std::uint64_t from = used_ + (used_ >> (kLeastSpare - timesGivenUp_)) + kSparseSlack;
+        if (isEvacuating() || from >= top_)
+            return;
+        std::vector<ArenaRun> all = std::move(freeLarge_);
+        for (std::size_t granules = 0; granules < kMostSizes; ++granules)
+            for (const std::uint32_t begin : freeBySize_[granules])
+                all.push_back({begin, static_cast<std::uint32_t>(granules) * Granule});
+        forgetFree();
+        evacuatedFrom_ = from / Granule * Granule;
+        usedAbove_ = top_ - evacuatedFrom_;
+        for (const ArenaRun& run : all)
+            freeOrSetAside(run);
     }
+    bool isEvacuating() const { return evacuatedFrom_ != kNone; }
+    /// Whether the run is one to be moved.
+    bool reachesAbove(const ArenaRun& run) const {
+        return run.capacity > 0 && std::uint64_t{run.begin} + run.capacity > evacuatedFrom_;
+    }
+    /// A run as large as `run` below; without room nothing, and the array is not emptied any more. REQUIRES: it is.
+    std::optional<ArenaRun> takeBelow(const ArenaRun& run) {
+        const std::lock_guard lock(mutex_);
+        const std::optional<std::uint32_t> begin = takeListed(run.capacity);
+        if (!begin) {
+            giveUpEvacuation();
+            return std::nullopt;
+        }
+        used_ += run.capacity;
+        return ArenaRun{*begin, run.capacity};
+    }
+    /// Ends the array where nothing is left above, and gives the memory back. No other thread may use the arena.
+    void finishEvacuation() {
+        if (!isEvacuating() || usedAbove_ > 0)
+            return;
+        top_ = std::exchange(evacuatedFrom_, kNone);
+        setAside_.clear();
+        timesGivenUp_ = 0;
+        trim();
+    }
+
     /// Forgets all runs. Their memory is kept for others: to get it from the system again costs as much as filling it.
     void clear() {
         forgetFree();
+        setAside_.clear();
+        evacuatedFrom_ = kNone;
         top_ = used_ = 0;
     }
     /// Gives memory back that lies above all runs.
@@ -136,7 +181,27 @@ private:
         if (run.capacity == 0)
             return;
         used_ -= run.capacity;
-        free(run.begin, run.capacity);
+        freeOrSetAside(run);
+    }
+    // What lies above the place from which the array is emptied is not to be taken again.
+    void freeOrSetAside(const ArenaRun& run) {
+        const std::uint64_t end = std::uint64_t{run.begin} + run.capacity;
+        if (end <= evacuatedFrom_)
+            return free(run.begin, run.capacity);
+        const auto first = static_cast<std::uint32_t>(std::max<std::uint64_t>(run.begin, evacuatedFrom_));
+        const auto above = static_cast<std::uint32_t>(end - first);
+        setAside_.push_back({first, above});
+        usedAbove_ -= above;
+        if (run.begin < first)
+            free(run.begin, first - run.begin);
+    }
+    void giveUpEvacuation() {
+        evacuatedFrom_ = kNone;
+        timesGivenUp_ = std::min(timesGivenUp_ + 1, kMostGivenUp);
+        for (const ArenaRun& run : setAside_)
+            free(run.begin, run.capacity);
+        setAside_.clear();
+        freedSinceJoined_ = freeRuns_; // runs end where the array was cut
     }
     // Half of the runs of just that size at most: another thread wants such ones too.
     void take(std::uint32_t granules, typename Ahead::Sized& sized) {
@@ -147,11 +212,19 @@ private:
         for (; sized.count < count; ++sized.count)
             sized.begins[sized.count] = allocate(size);
     }
-    std::uint32_t allocate(std::uint32_t size) {
+    std::optional<std::uint32_t> takeListed(std::uint32_t size) {
         std::optional<std::uint32_t> begin = takeFree(size);
         if (!begin && isWorthJoining()) {
             joinFree();
             begin = takeFree(size);
+        }
+        return begin;
+    }
+    std::uint32_t allocate(std::uint32_t size) {
+        std::optional<std::uint32_t> begin = takeListed(size);
+        if (!begin && isEvacuating()) {
+            giveUpEvacuation();
+            begin = takeListed(size);
         }
         if (!begin) {
             const std::uint64_t grown = top_ + size + (kChunk - top_ % kChunk < size ? kChunk - top_ % kChunk : 0);
@@ -259,6 +332,8 @@ private:
         freeRuns_ = freedSinceJoined_ = 0;
     }
 
+    static constexpr int kLeastSpare = 3, kMostGivenUp = 2; ///< shifts
+    static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
     static constexpr std::size_t kMostSizes = 256; ///< granules of runs that are listed by size
     static constexpr std::uint64_t kMuch = 8; ///< one free element in so many
     static constexpr std::uint32_t kMostAhead = 128; ///< granules of a run; there are few larger ones
@@ -275,6 +350,10 @@ private:
     std::vector<ArenaRun> freeLarge_; ///< those that are larger
     std::uint64_t freeRuns_ = 0;
     std::uint64_t freedSinceJoined_ = 0; ///< runs
+    std::uint64_t evacuatedFrom_ = kNone;
+    std::uint64_t usedAbove_ = 0; ///< elements from there on that belong to a run
+    std::vector<ArenaRun> setAside_; ///< free ones from there on
+    int timesGivenUp_ = 0; ///< the last times, up to kMostGivenUp
 };
 
 /// Of vertex codes and indices of triangles.

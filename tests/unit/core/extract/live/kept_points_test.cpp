@@ -52,7 +52,7 @@ TEST(KeptPoints, GivesUpWhatLeftFirst) {
         ASSERT_EQ(kept.count(), expected.size());
         if (step % 100 == 0) {
             std::vector<std::uint32_t> runs, expectedRuns;
-            kept.forEachRun([&](ArenaRun& run) { runs.push_back(run.begin); });
+            kept.forEach([&](const KeptPoints::Kept& each) { runs.push_back(each.run.begin); });
             for (const auto& [its, begin] : expected)
                 expectedRuns.push_back(begin);
             std::sort(runs.begin(), runs.end());

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -97,6 +99,112 @@ TEST(RunArena, GivesRunsAheadToOneOnly) {
     for (ArenaRun& run : runs)
         arena.release(run);
     EXPECT_EQ(arena.unusedBytes(), arena.top() * sizeof(std::uint32_t));
+}
+
+// Owners come and go by phases, so that the array is often sparse; it is emptied from above while runs go on being
+// taken and given back, and what they hold stays. After few rounds it is at most half as long again as what is in use.
+TEST(RunArena, EndsWhereItIsEmptiedFrom) {
+    std::mt19937 random(14);
+    RunArena<std::uint32_t, 16, 14> arena;
+    std::vector<ArenaRun> runs(400);
+    std::vector<ArenaRun> retired; // as those that pictures are of: given back some steps later
+    int finished = 0, givenUp = 0, sparseMoves = 0;
+    const auto moveDown = [&](std::size_t i) {
+        if (!arena.isEvacuating() || !arena.reachesAbove(runs[i]))
+            return;
+        const auto moved = arena.takeBelow(runs[i]);
+        if (!moved) {
+            ++givenUp;
+            return;
+        }
+        ASSERT_EQ(moved->capacity, runs[i].capacity);
+        ASSERT_FALSE(arena.reachesAbove(*moved));
+        ASSERT_EQ(moved->begin >> 14, (moved->begin + moved->capacity - 1) >> 14) << "inside one chunk";
+        std::copy_n(arena.at(runs[i].begin), runs[i].capacity, arena.at(moved->begin));
+        retired.push_back(std::exchange(runs[i], *moved));
+    };
+    const auto releaseRetired = [&](std::size_t most) {
+        for (; retired.size() > most; retired.pop_back())
+            arena.release(retired.back());
+    };
+    const auto finish = [&] {
+        const std::uint64_t top = arena.top();
+        const bool wasEvacuating = arena.isEvacuating();
+        arena.finishEvacuation();
+        if (!wasEvacuating || arena.isEvacuating())
+            return;
+        ++finished;
+        ASSERT_LT(arena.top(), top);
+    };
+    for (int phase = 0; phase < 60; ++phase) {
+        const std::size_t most = phase % 2 == 0 ? runs.size() : runs.size() / (2 + random() % 8);
+        for (int step = 0; step < 1000; ++step) {
+            const std::size_t i = random() % runs.size();
+            if (i >= most) {
+                arena.release(runs[i]);
+            } else {
+                arena.resize(runs[i], 1 + random() % (random() % 16 == 0 ? 900 : 300));
+                std::fill_n(arena.at(runs[i].begin), runs[i].capacity, static_cast<std::uint32_t>(i));
+            }
+            sparseMoves = arena.isSparse(3, 4) ? sparseMoves + 1 : 0;
+            if (!arena.isEvacuating() && sparseMoves >= 8)
+                arena.evacuate();
+            for (int k = 0; k < 8; ++k)
+                ASSERT_NO_FATAL_FAILURE(moveDown(random() % runs.size()));
+            releaseRetired(step % 7 == 0 ? 0 : 20);
+            ASSERT_NO_FATAL_FAILURE(finish());
+        }
+        for (int round = 0; round < 4; ++round) {
+            if (!arena.isEvacuating() && arena.isSparse(3, 4))
+                arena.evacuate();
+            for (std::size_t i = 0; i < runs.size(); ++i)
+                ASSERT_NO_FATAL_FAILURE(moveDown(i));
+            releaseRetired(0);
+            ASSERT_NO_FATAL_FAILURE(finish());
+        }
+        std::uint64_t used = 0;
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            used += runs[i].capacity;
+            ASSERT_LE(std::uint64_t{runs[i].begin} + runs[i].capacity, arena.top());
+            for (std::uint32_t k = 0; k < runs[i].capacity; ++k)
+                ASSERT_EQ(*arena.at(runs[i].begin + k), i);
+        }
+        ASSERT_EQ(arena.unusedBytes(), (arena.top() - used) * sizeof(std::uint32_t));
+    }
+    EXPECT_GT(finished, 30);
+    EXPECT_GT(givenUp, 0);
+    std::fprintf(stderr, "F %d G %d\n", finished, givenUp);
+}
+
+// Where there is no room below, the array is as long as it was, and what was set aside serves again.
+TEST(RunArena, GivesUpBeingEmptiedWithoutRoomBelow) {
+    for (const bool isTakenByOwner : {true, false}) {
+        Arena arena;
+        std::vector<ArenaRun> small(512), large(4);
+        for (ArenaRun& run : small)
+            arena.resize(run, 16);
+        for (ArenaRun& run : large)
+            arena.resize(run, 2000);
+        for (std::size_t i = 0; i < small.size(); ++i)
+            if (i % 2 == 0)
+                arena.release(small[i]); // room enough, but in pieces
+        const std::uint64_t top = arena.top();
+        arena.evacuate();
+        ASSERT_TRUE(arena.isEvacuating());
+        ASSERT_TRUE(arena.reachesAbove(large[3]));
+        if (isTakenByOwner) {
+            EXPECT_EQ(arena.takeBelow(large[3]), std::nullopt);
+        } else { // a part of it is above
+            arena.release(large[3]);
+            arena.resize(large[3], 2000);
+        }
+        EXPECT_FALSE(arena.isEvacuating());
+        arena.finishEvacuation();
+        EXPECT_EQ(arena.top(), top);
+        arena.release(large[3]);
+        arena.resize(large[3], 2000);
+        EXPECT_EQ(arena.top(), top);
+    }
 }
 
 // Small runs fill two chunks; then larger ones take their places, as far as what is kept between them lets them.
