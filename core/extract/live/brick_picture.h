@@ -77,11 +77,13 @@ struct BrickArenas {
         evacuate(points);
     }
     void finishEvacuation() {
-        vertices.finishEvacuation();
+        if (vertices.finishEvacuation()) {
+            groups_.shrinkToPages(vertices.top() / kGroupSize);
+            doubleGroups_.shrinkToPages(vertices.top() / kGroupSize);
+        }
         indices.finishEvacuation();
         inner.finishEvacuation();
         points.finishEvacuation();
-        trimGroups();
     }
     /// Below what belongs to a run or did so.
     std::uint64_t unusedBytes() const {
@@ -92,14 +94,11 @@ struct BrickArenas {
         indices.trim();
         inner.trim();
         points.trim();
-        trimGroups();
-    }
-
-private:
-    void trimGroups() {
         groups_.shrink(vertices.top() / kGroupSize);
         doubleGroups_.shrink(vertices.top() / kGroupSize);
     }
+
+private:
     template <class Live, class Arenas>
     static auto& groupsOf(Arenas& arenas) {
         if constexpr (std::is_same_v<Live, float>)

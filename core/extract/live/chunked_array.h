@@ -56,8 +56,7 @@ public:
     T& operator[](std::uint64_t index) { return *at(index); }
     const T& operator[](std::uint64_t index) const { return *at(index); }
 
-    /// Gives memory back that elements below `count` do not need; the others are kept. No other thread may use the
-    /// array.
+    /// Gives chunks back that elements below `count` do not need; the others are kept, and other threads may read them.
     void shrink(std::uint64_t count) {
         const std::size_t needed = static_cast<std::size_t>((count + kChunk - 1) >> ChunkBits);
         if (needed >= owned_.size())
@@ -66,6 +65,12 @@ public:
         for (std::size_t chunk = needed; chunk < owned_.size(); ++chunk)
             entry(chunk).store(nullptr, std::memory_order_relaxed);
         owned_.resize(needed);
+    }
+    /// The same, and of the last chunk what lies behind them: pages that hold zero bytes when they are used again.
+    void shrinkToPages(std::uint64_t count) {
+        shrink(count);
+        if (const std::uint64_t rest = count % kChunk; rest > 0 && count < usable_.load(std::memory_order_relaxed))
+            owned_[count / kChunk]->release(rest * sizeof(T));
     }
 
 private:

@@ -138,14 +138,16 @@ public:
         used_ += run.capacity;
         return ArenaRun{*begin, run.capacity};
     }
-    /// Ends the array where nothing is left above, and gives the memory back. No other thread may use the arena.
-    void finishEvacuation() {
+    /// Ends the array where nothing is left above, and gives the memory back; whether that was so. Other threads may
+    /// read runs.
+    bool finishEvacuation() {
         if (!isEvacuating() || usedAbove_ > 0)
-            return;
+            return false;
         top_ = std::exchange(evacuatedFrom_, kNone);
         setAside_.clear();
         timesGivenUp_ = 0;
-        trim();
+        elements_.shrinkToPages(top_);
+        return true;
     }
 
     /// Forgets all runs. Their memory is kept for others: to get it from the system again costs as much as filling it.

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/process_memory.h"
 #include "core/extract/edge_interpolation.h"
 #include "core/extract/live/edge_record.h"
 
@@ -174,6 +175,36 @@ TEST(RunArena, EndsWhereItIsEmptiedFrom) {
     EXPECT_GT(finished, 30);
     EXPECT_GT(givenUp, 0);
     std::fprintf(stderr, "F %d G %d\n", finished, givenUp);
+}
+
+TEST(RunArena, GivesMemoryBackInsideAChunk) {
+    RunArena<std::uint32_t, 1024, 24> arena; // one chunk of 64 MB
+    std::vector<ArenaRun> runs(1u << 14);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        arena.resize(runs[i], 1024);
+        std::fill_n(arena.at(runs[i].begin), 1024, static_cast<std::uint32_t>(i));
+    }
+    for (std::size_t i = 0; i < runs.size(); ++i)
+        if (i % 16 != 7)
+            arena.release(runs[i]);
+    const std::uint64_t before = residentBytes();
+    arena.evacuate();
+    for (std::size_t i = 7; i < runs.size(); i += 16)
+        if (arena.reachesAbove(runs[i])) {
+            const ArenaRun moved = arena.takeBelow(runs[i]).value();
+            std::copy_n(arena.at(runs[i].begin), moved.capacity, arena.at(moved.begin));
+            arena.release(runs[i]);
+            runs[i] = moved;
+        }
+    ASSERT_TRUE(arena.finishEvacuation());
+    EXPECT_LT(arena.top(), (1u << 24) / 12);
+    EXPECT_LT(residentBytes() + (std::uint64_t{50} << 20), before);
+    ArenaRun again;
+    arena.resize(again, 1024);
+    for (std::size_t i = 7; i < runs.size(); i += 16) {
+        ASSERT_EQ(*arena.at(runs[i].begin), i);
+        ASSERT_EQ(*arena.at(runs[i].begin + 1023), i);
+    }
 }
 
 // Where there is no room below, the array is as long as it was, and what was set aside serves again.
