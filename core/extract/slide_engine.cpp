@@ -87,6 +87,7 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setMergeBound(wantedBound_);
         backing_.source.setBuildsLevels(options.buildsLevels);
+        surface_.keepPoints(backing_.leastPointBytes);
         surface_.setSlack(backing_.leastPointBytes / 4);
     }
 
@@ -231,10 +232,10 @@ private:
             stats.edgesRemoved += surface_.activeEdges();
             surface_.clear();
         }
-        surface_.keepPoints(backing_.pointBytes());
         surface_.beginMove();
         ISO_TRY(backing_.source.move({start, target, isovalue}, surface_, stats, job));
         surface_.compact();
+        surface_.keepPoints(backing_.pointBytes()); // the move may have read much of the list
         position_ = target;
         return {};
     }

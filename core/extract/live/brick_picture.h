@@ -85,6 +85,9 @@ struct BrickArenas {
         inner.finishEvacuation();
         points.finishEvacuation();
     }
+    std::uint64_t usedBytes() const {
+        return vertices.usedBytes() + indices.usedBytes() + inner.usedBytes() + points.usedBytes();
+    }
     /// Below what belongs to a run or did so.
     std::uint64_t unusedBytes() const {
         return vertices.unusedBytes() + indices.unusedBytes() + inner.unusedBytes() + points.unusedBytes();
@@ -125,7 +128,7 @@ struct PictureBrick {
     std::uint32_t firstVertex = 0; ///< a multiple of 32
     std::uint32_t firstIndex = 0;
     std::uint32_t indexCount = 0; ///< 0: nothing is drawn of it
-    std::uint32_t version = 0; ///< of all but the points
+    std::uint32_t version = 0; ///< the move that made it, or moved it or its points in memory
     std::uint32_t firstInner = 0; ///< of its vertices inside cells, which come last
     std::uint32_t firstPointLine = 0;
     std::uint32_t pointsVersion = 0;
@@ -214,7 +217,8 @@ public:
     /// Pictures of different series have no storage in common.
     std::uint64_t series() const { return arenas_->series; }
 
-    /// Of the bricks that the last move has changed: what a card that has the picture before needs. O(bricks).
+    /// Of the bricks that the last move has changed, or moved in memory: what a card that has the picture before needs.
+    /// O(bricks).
     std::uint64_t newBytes() const {
         std::uint64_t bytes = 0;
         for (const PictureBrick& brick : bricks_)

@@ -17,7 +17,7 @@ class KeptPoints {
 public:
     struct Kept {
         ArenaRun run;
-        std::uint32_t version = 0; ///< the move that brought the points
+        std::uint32_t version = 0; ///< the move that put the points where they are
     };
 
     explicit KeptPoints(std::uint64_t brickCount) : linkOf_(brickCount) {}

@@ -20,7 +20,7 @@ struct LiveBrickHead {
     bool hasPoints = false; ///< else nothing is in its run of points
     ArenaRun points, ambiguous, vertices, indices, inner, merged;
     std::uint32_t indexCount = 0;
-    std::uint32_t pointsVersion = 0; ///< the move that brought the points
+    std::uint32_t pointsVersion = 0; ///< the move that put the points where they are
     std::uint16_t cellCount = 0; ///< of `cells`
     std::uint16_t edgeVertices = 0;
     std::uint16_t innerVertices = 0;

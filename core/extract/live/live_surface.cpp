@@ -136,8 +136,10 @@ BrickSlot LiveSurface<Live>::add(BrickIndex index, const std::optional<KeptPoint
         nearMissing_[slot.index()] = std::make_unique<BrickMasks>(shapes_.masksNearMissing(index));
     Brick& brick = bricks_[slot.index()]; // new, or as remove() leaves it
     if (points) {
-        brick.points = points->run;
-        brick.pointsVersion = points->version;
+        KeptPoints::Kept kept = *points;
+        moveDown(kept); // moveRunsDown() may have been here
+        brick.points = kept.run;
+        brick.pointsVersion = kept.version;
         brick.hasPoints = true;
     } else {
         arenas_->points.resize(brick.points, pointLines_); // here, where no other thread wants any
@@ -158,10 +160,8 @@ void LiveSurface<Live>::remove(BrickSlot slot) {
     countLeaves(brick, -1, activeLeaves_);
     ambiguousCells_ -= brick.ambiguousCells;
     leavePoints(brick);
-    if (RetiredRuns runs = takeRuns(brick); isWatched_)
-        retired_.add(version_, runs);
-    else
-        release(runs);
+    RetiredRuns runs = takeRuns(brick);
+    leave(runs);
     ambiguous_.release(brick.ambiguous);
     merged_.release(brick.merged);
     shown_[slot.index()] = {};

@@ -139,6 +139,9 @@ private:
     void forgetBricks() noexcept;
     void trim() noexcept;
     void moveRunsDown();
+    std::uint64_t moveDown(KeptPoints::Kept& kept);
+    /// What pictures may refer to.
+    void leave(RetiredRuns& runs);
     void readRecords(const PointLine* points, const VertexCode* codes, std::uint32_t count,
                      BrickDraft<Live>& draft) const;
     Record recordOf(BrickSlot slot, std::uint32_t vertex) const;

@@ -7,12 +7,29 @@
 #include "core/extract/live/live_surface.h"
 
 namespace isoslider::extract {
+namespace {
+
+// The bytes that were moved; none where the run may stay, or there is no room for it.
+template <class Arena>
+std::uint64_t moveRunDown(Arena& arena, ArenaRun& run, ArenaRun& left) {
+    if (!arena.reachesAbove(run))
+        return 0;
+    const auto moved = arena.takeBelow(run);
+    if (!moved)
+        return 0;
+    const std::uint64_t bytes = run.capacity * sizeof(*arena.at(0));
+    std::memcpy(arena.at(moved->begin), arena.at(run.begin), bytes);
+    left = std::exchange(run, *moved);
+    return bytes;
+}
+
+} // namespace
 
 // Memory, here and on the card, follows the highest run: where much of what is below it stays free, the runs that lie
-// highest move down, a few megabytes at a move, so that none takes long; bricks that are made again meanwhile go below
-// by themselves. Pictures keep what they are of: runs that were moved are given back as those of a brick that is made
-// again. Not at once where the surface is not much smaller: a jump leaves room that the next one fills, and new memory
-// costs as much as what is in it.
+// highest move down, few at a move, so that none takes long; bricks that are made again
+// meanwhile go below by themselves. Pictures keep what they are of: runs that were moved are given back as those of a
+// brick that is made again. Not at once where the surface is not much smaller: a jump leaves room that the next one
+// fills, and new memory costs as much as what is in it.
 template <class Live>
 void LiveSurface<Live>::compact() {
     if (hasCleared_)
@@ -23,6 +40,8 @@ void LiveSurface<Live>::compact() {
             return;
         sparseMoves_ = 0;
         arenas_->evacuateSparse(3, 4);
+        if (!arenas_->isEvacuating()) // there was no room below, the last times
+            return;
         nextToMove_ = 0;
     }
     moveRunsDown();
@@ -30,43 +49,38 @@ void LiveSurface<Live>::compact() {
 }
 
 template <class Live>
+void LiveSurface<Live>::leave(RetiredRuns& runs) {
+    if (isWatched_)
+        retired_.add(version_, runs);
+    else
+        release(runs);
+}
+
+template <class Live>
 void LiveSurface<Live>::moveRunsDown() {
-    constexpr std::uint64_t kBytesAtOnce = std::uint64_t{4} << 20;
+    constexpr std::uint64_t kLeastAtOnce = std::uint64_t{256} << 10;
+    const std::uint64_t most = std::max({kLeastAtOnce, slackBytes_ / 8, arenas_->usedBytes() / 32});
     std::uint64_t bytes = 0;
-    const auto moveDown = [&](auto& arena, ArenaRun& run, ArenaRun& left) {
-        if (!arena.reachesAbove(run))
-            return false;
-        const auto moved = arena.takeBelow(run);
-        if (!moved)
-            return false;
-        std::memcpy(arena.at(moved->begin), arena.at(run.begin), run.capacity * sizeof(*arena.at(0)));
-        bytes += run.capacity * sizeof(*arena.at(0));
-        left = std::exchange(run, *moved);
-        return true;
-    };
-    const auto leave = [&](RetiredRuns& runs) {
-        if (isWatched_)
-            retired_.add(version_, runs);
-        else
-            release(runs);
-    };
-    for (; nextToMove_ < slotCount() && bytes < kBytesAtOnce; ++nextToMove_) {
+    for (; nextToMove_ < slotCount() && bytes < most; ++nextToMove_) {
         Brick& brick = bricks_[nextToMove_];
         bytes += sizeof(LiveBrickHead);
         if (!brick.isLive)
             continue;
         RetiredRuns left;
-        const bool hasOtherVertices = moveDown(arenas_->vertices, brick.vertices, left.vertices);
-        if (hasOtherVertices && arenas_->hasGroups && brick.edgeVertices > 0) {
+        const std::uint64_t ofVertices = moveRunDown(arenas_->vertices, brick.vertices, left.vertices);
+        if (ofVertices > 0 && arenas_->hasGroups && brick.edgeVertices > 0) {
             auto* const groups = arenas_->template groupsFor<Live>(brick.vertices);
-            std::copy_n(arenas_->template groupsAt<Live>(left.vertices.begin), groupCount(brick.edgeVertices), groups);
+            const std::size_t count = groupCount(brick.edgeVertices);
+            std::copy_n(arenas_->template groupsAt<Live>(left.vertices.begin), count, groups);
+            bytes += count * sizeof *groups;
         }
-        const bool hasOtherIndices = moveDown(arenas_->indices, brick.indices, left.indices),
-                   hasOtherInner = moveDown(arenas_->inner, brick.inner, left.inner),
-                   hasOtherPoints = moveDown(arenas_->points, brick.points, left.points);
-        if (!hasOtherVertices && !hasOtherIndices && !hasOtherInner && !hasOtherPoints)
+        const std::uint64_t ofPoints = moveRunDown(arenas_->points, brick.points, left.points);
+        const std::uint64_t moved = ofVertices + ofPoints + moveRunDown(arenas_->indices, brick.indices, left.indices) +
+                                    moveRunDown(arenas_->inner, brick.inner, left.inner);
+        if (moved == 0)
             continue;
-        if (hasOtherPoints)
+        bytes += moved;
+        if (ofPoints > 0)
             brick.pointsVersion = version_; // the card has others in their place
         show(BrickSlot(nextToMove_));
         leave(left);
@@ -74,16 +88,27 @@ void LiveSurface<Live>::moveRunsDown() {
     if (nextToMove_ < slotCount() || !arenas_->points.isEvacuating())
         return;
     kept_.forEach([&](KeptPoints::Kept& kept) {
-        if (RetiredRuns left; bytes < kBytesAtOnce && moveDown(arenas_->points, kept.run, left.points)) {
-            kept.version = version_;
-            leave(left);
-        }
+        if (bytes < most)
+            bytes += moveDown(kept);
     });
+}
+
+template <class Live>
+std::uint64_t LiveSurface<Live>::moveDown(KeptPoints::Kept& kept) {
+    RetiredRuns left;
+    const std::uint64_t bytes = moveRunDown(arenas_->points, kept.run, left.points);
+    if (bytes > 0) {
+        kept.version = version_;
+        leave(left);
+    }
+    return bytes;
 }
 
 #define ISO_INSTANTIATE(Live) \
     template void LiveSurface<Live>::compact(); \
-    template void LiveSurface<Live>::moveRunsDown();
+    template void LiveSurface<Live>::leave(RetiredRuns&); \
+    template void LiveSurface<Live>::moveRunsDown(); \
+    template std::uint64_t LiveSurface<Live>::moveDown(KeptPoints::Kept&);
 ISO_INSTANTIATE(float)
 ISO_INSTANTIATE(double)
 #undef ISO_INSTANTIATE

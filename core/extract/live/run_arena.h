@@ -130,9 +130,14 @@ public:
     /// A run as large as `run` below; without room nothing, and the array is not emptied any more. REQUIRES: it is.
     std::optional<ArenaRun> takeBelow(const ArenaRun& run) {
         const std::lock_guard lock(mutex_);
-        const std::optional<std::uint32_t> begin = takeListed(run.capacity);
+        std::optional<std::uint32_t> begin = takeFree(run.capacity);
+        if (!begin && freedSinceJoined_ > 0) {
+            joinFree();
+            begin = takeFree(run.capacity);
+        }
         if (!begin) {
             giveUpEvacuation();
+            timesGivenUp_ = std::min(timesGivenUp_ + 1, kMostGivenUp);
             return std::nullopt;
         }
         used_ += run.capacity;
@@ -155,6 +160,7 @@ public:
         forgetFree();
         setAside_.clear();
         evacuatedFrom_ = kNone;
+        timesGivenUp_ = 0;
         top_ = used_ = 0;
     }
     /// Gives memory back that lies above all runs.
@@ -167,6 +173,7 @@ public:
     /// Whether no more than `parts` in `of` of the elements below top() belong to a run.
     bool isSparse(std::uint64_t parts, std::uint64_t of) const { return parts * top_ > of * used_ + kSparseSlack; }
 
+    std::uint64_t usedBytes() const { return used_ * sizeof(T); }
     std::uint64_t unusedBytes() const { return (top_ - used_) * sizeof(T); }
 
 private:
@@ -199,7 +206,6 @@ private:
     }
     void giveUpEvacuation() {
         evacuatedFrom_ = kNone;
-        timesGivenUp_ = std::min(timesGivenUp_ + 1, kMostGivenUp);
         for (const ArenaRun& run : setAside_)
             free(run.begin, run.capacity);
         setAside_.clear();
@@ -355,7 +361,7 @@ private:
     std::uint64_t evacuatedFrom_ = kNone;
     std::uint64_t usedAbove_ = 0; ///< elements from there on that belong to a run
     std::vector<ArenaRun> setAside_; ///< free ones from there on
-    int timesGivenUp_ = 0; ///< the last times, up to kMostGivenUp
+    int timesGivenUp_ = 0; ///< because a run found no room: the last times, up to kMostGivenUp
 };
 
 /// Of vertex codes and indices of triangles.

@@ -304,7 +304,10 @@ TEST_F(SlideEngineTest, PointsAreKeptInWhatTheListLeaves) {
     ASSERT_THAT(test::buildIndexOf(hills_, path, {}), IsOk());
     constexpr std::uint64_t kCacheBytes = std::uint64_t{512} << 10, kHalf = kCacheBytes / 2;
     const auto keptBytes = [&](bool goesSlowly) -> std::uint64_t { // of points that a handle finds which comes back
-        const auto engine = SlideEngine::open(path, {kCacheBytes}).value();
+        SlideOptions options;
+        options.cacheBytes = kCacheBytes;
+        options.buildsLevels = false; // when they are there cannot be told
+        const auto engine = SlideEngine::open(path, options).value();
         for (double isovalue = 100.0; goesSlowly && isovalue < 700.0; isovalue += 1.0)
             EXPECT_THAT(engine->slideTo(isovalue), IsOk());
         SurfaceFrame frame;
@@ -324,6 +327,33 @@ TEST_F(SlideEngineTest, PointsAreKeptInWhatTheListLeaves) {
     EXPECT_GT(after, kHalf * 9 / 10);
     EXPECT_LT(afterSlow, kHalf * 8 / 10);
     EXPECT_GT(afterSlow, kHalf * 4 / 10);
+}
+
+// Some runs move at a time, those of kept points last, while bricks return with theirs.
+TEST_F(SlideEngineTest, MemoryIsGivenBackOverSeveralMoves) {
+    const std::shared_ptr<const ScalarGrid> hills = test::hillsVolume({176, 168, 160});
+    const auto path = folder_ / "large.isx";
+    preprocess::BuildOptions build;
+    build.kind = index::IndexKind::Metacells;
+    ASSERT_THAT(test::buildIndexOf(hills, path, build), IsOk());
+    SlideOptions options;
+    options.cacheBytes = std::uint64_t{16} << 20;
+    const auto engine = SlideEngine::open(path, options).value();
+    SurfaceFrame shown;
+    const auto slideTo = [&](double isovalue) {
+        ASSERT_THAT(engine->slideTo(isovalue), IsOk());
+        SurfaceFrame frame;
+        engine->copyFrame(frame);
+        shown = std::move(frame);
+    };
+    for (const double isovalue : {300.0, 350.0, 400.0, 450.0, 500.0})
+        ASSERT_NO_FATAL_FAILURE(slideTo(isovalue));
+    const std::uint64_t large = shown.bricks->pointLineEnd();
+    for (int k = 0; k < 40; ++k) {
+        ASSERT_NO_FATAL_FAILURE(slideTo(k < 10 ? 1100.0 : std::max(900.0, 1100.0 - 70.0 * (k - 9)) + 0.01 * k));
+    }
+    EXPECT_LT(shown.bricks->pointLineEnd(), large * 9 / 10);
+    EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills, shown.isovalue).value()));
 }
 
 // What vertices are made from may be kept beside them: the arrays are the same, also when bricks have moved in memory,
