@@ -58,7 +58,7 @@ void LiveSurface<Live>::leave(RetiredRuns& runs) {
 
 template <class Live>
 void LiveSurface<Live>::moveRunsDown() {
-    constexpr std::uint64_t kLeastAtOnce = std::uint64_t{256} << 10;
+    constexpr std::uint64_t kLeastAtOnce = std::uint64_t{2} << 20;
     const std::uint64_t most = std::max({kLeastAtOnce, slackBytes_ / 8, arenas_->usedBytes() / 32});
     std::uint64_t bytes = 0;
     for (; nextToMove_ < slotCount() && bytes < most; ++nextToMove_) {
