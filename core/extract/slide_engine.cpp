@@ -27,7 +27,7 @@ struct MemoryBacking {
     std::unique_ptr<index::IndexReader> reader;
     MemorySamples<Sample> samples;
     Source source;
-    std::uint64_t leastPointBytes;
+    std::uint64_t pointShare;
     static constexpr bool kIsIndex = false;
 
     MemoryBacking(std::shared_ptr<const ScalarGrid> volume, std::unique_ptr<index::IndexReader> brickList,
@@ -36,8 +36,9 @@ struct MemoryBacking {
           reader(std::move(brickList)),
           samples(*grid),
           source(*reader, samples, options.cacheBytes.value_or(kSmallCacheBytes) / 2),
-          leastPointBytes(options.cacheBytes.value_or(kSmallCacheBytes) / 2) {}
-    std::uint64_t pointBytes() const { return leastPointBytes; }
+          pointShare(options.cacheBytes.value_or(kSmallCacheBytes) / 2) {}
+    std::uint64_t pointBytes() const { return pointShare; }
+    std::uint64_t pointBytesBesideFullList() const { return pointShare; }
 };
 
 template <class Sample>
@@ -46,10 +47,10 @@ struct StoreBacking {
     std::unique_ptr<index::IndexReader> reader;
     StoredSamples<Sample> samples;
     Source source;
-    std::uint64_t cacheBytes, leastPointBytes;
+    std::uint64_t cacheBytes;
     static constexpr bool kIsIndex = true;
     static constexpr std::uint64_t kPointsShare = 4; // of the cache, at least; and what others leave, up to half of it
-    static std::uint64_t listBytes(const index::IndexReader& reader, std::uint64_t cacheBytes) {
+    static std::uint64_t listShare(const index::IndexReader& reader, std::uint64_t cacheBytes) {
         return cacheBytes / (reader.info().kind == index::IndexKind::Edges ? 4 : 8); // a list of bricks is small
     }
 
@@ -57,14 +58,14 @@ struct StoreBacking {
         : StoreBacking(std::move(opened), options.cacheBytes.value_or(kIndexCacheBytes)) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t bytes)
         : reader(std::move(opened)),
-          samples(*reader, bytes - listBytes(*reader, bytes) - bytes / kPointsShare),
-          source(*reader, samples, listBytes(*reader, bytes),
+          samples(*reader, bytes - listShare(*reader, bytes) - bytes / kPointsShare),
+          source(*reader, samples, listShare(*reader, bytes),
                  boundOf(builtError(reader->info()), reader->info().min, reader->info().max)),
-          cacheBytes(bytes),
-          leastPointBytes(pointBytesBeside(listBytes(*reader, bytes))) {}
+          cacheBytes(bytes) {}
 
     /// A list of edges is large where the handle goes through it slowly; of jumps little is kept.
     std::uint64_t pointBytes() const { return pointBytesBeside(source.listBytes()); }
+    std::uint64_t pointBytesBesideFullList() const { return pointBytesBeside(listShare(*reader, cacheBytes)); }
     std::uint64_t pointBytesBeside(std::uint64_t list) const {
         return std::clamp(cacheBytes - std::min(cacheBytes, list + samples.mostBytes()), cacheBytes / kPointsShare,
                           cacheBytes / 2);
@@ -87,8 +88,8 @@ public:
           mergeBound_(wantedBound_) {
         backing_.source.setMergeBound(wantedBound_);
         backing_.source.setBuildsLevels(options.buildsLevels);
-        surface_.keepPoints(backing_.leastPointBytes);
-        surface_.setSlack(backing_.leastPointBytes / 4);
+        surface_.keepPoints(backing_.pointBytes());
+        surface_.setSlack(backing_.pointBytesBesideFullList() / 4);
     }
 
     const index::IndexInfo& info() const override { return meta().info; }

@@ -28,8 +28,7 @@ public:
     std::size_t count() const { return count_; }
 
     /// REQUIRES: none of the brick are kept; the bound is not 0, and no more are kept. Returns the run that is given up
-    /// for it, if any.
-    /// Throws std::bad_alloc.
+    /// for it, if any. Throws std::bad_alloc.
     std::optional<ArenaRun> put(BrickIndex brick, const Kept& kept);
     /// Gives back what is kept of the brick.
     std::optional<Kept> take(BrickIndex brick);

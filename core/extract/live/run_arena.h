@@ -130,11 +130,7 @@ public:
     /// A run as large as `run` below; without room nothing, and the array is not emptied any more. REQUIRES: it is.
     std::optional<ArenaRun> takeBelow(const ArenaRun& run) {
         const std::lock_guard lock(mutex_);
-        std::optional<std::uint32_t> begin = takeFree(run.capacity);
-        if (!begin && freedSinceJoined_ > 0) {
-            joinFree();
-            begin = takeFree(run.capacity);
-        }
+        const std::optional<std::uint32_t> begin = takeListed(run.capacity, freedSinceJoined_ > 0);
         if (!begin) {
             giveUpEvacuation();
             timesGivenUp_ = std::min(timesGivenUp_ + 1, kMostGivenUp);
@@ -220,19 +216,20 @@ private:
         for (; sized.count < count; ++sized.count)
             sized.begins[sized.count] = allocate(size);
     }
-    std::optional<std::uint32_t> takeListed(std::uint32_t size) {
+    // `joins`: free runs, where none has room.
+    std::optional<std::uint32_t> takeListed(std::uint32_t size, bool joins) {
         std::optional<std::uint32_t> begin = takeFree(size);
-        if (!begin && isWorthJoining()) {
+        if (!begin && joins) {
             joinFree();
             begin = takeFree(size);
         }
         return begin;
     }
     std::uint32_t allocate(std::uint32_t size) {
-        std::optional<std::uint32_t> begin = takeListed(size);
+        std::optional<std::uint32_t> begin = takeListed(size, isWorthJoining());
         if (!begin && isEvacuating()) {
             giveUpEvacuation();
-            begin = takeListed(size);
+            begin = takeListed(size, isWorthJoining());
         }
         if (!begin) {
             const std::uint64_t grown = top_ + size + (kChunk - top_ % kChunk < size ? kChunk - top_ % kChunk : 0);

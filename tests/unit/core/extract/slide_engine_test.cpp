@@ -348,9 +348,10 @@ TEST_F(SlideEngineTest, MemoryIsGivenBackOverSeveralMoves) {
     };
     for (const double isovalue : {300.0, 350.0, 400.0, 450.0, 500.0})
         ASSERT_NO_FATAL_FAILURE(slideTo(isovalue));
-    const std::uint64_t large = shown.bricks->pointLineEnd();
+    const std::uint64_t large = shown.bricks->pointLineEnd(), series = shown.bricks->series();
     for (int k = 0; k < 40; ++k) {
         ASSERT_NO_FATAL_FAILURE(slideTo(k < 10 ? 1100.0 : std::max(900.0, 1100.0 - 70.0 * (k - 9)) + 0.01 * k));
+        ASSERT_EQ(shown.bricks->series(), series) << "the card is sent all again";
     }
     EXPECT_LT(shown.bricks->pointLineEnd(), large * 9 / 10);
     EXPECT_TRUE(test::isSameSurface(engine->mesh().value(), extractFull(*hills, shown.isovalue).value()));
