@@ -24,6 +24,7 @@
 #include "app/cli/resampling_report.h"
 #include "app/cli/standard_input.h"
 #include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/base/process_memory.h"
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
@@ -336,7 +337,7 @@ private:
     LodError lodError_;
     std::int64_t skipLevels_ = preprocess::BuildOptions{}.skipLevels;
     std::optional<double> redundancy_;
-    std::uint64_t memoryBytes_ = std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4);
+    std::uint64_t memoryBytes_ = std::max(preprocess::kMinBuildMemoryBytes, usableMemoryBytes() / 4);
     std::int64_t threads_ = 0;
     bool withTopology_ = true;
     bool resumes_ = false;

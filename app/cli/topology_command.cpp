@@ -15,7 +15,7 @@
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
 #include "core/base/folders.h"
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
 #include "core/topology/topology_queries.h"
@@ -155,7 +155,7 @@ private:
         if (!kind.isOk())
             return kind.error();
         topology::AnalysisOptions options;
-        options.memoryBytes = physicalMemoryBytes() / 2;
+        options.memoryBytes = usableMemoryBytes() / 2;
         if (kind.value() == InputKind::Index) {
             auto found = topology::topologyOfIndex(path_, options, job);
             if (!found.isOk())

@@ -14,7 +14,7 @@
 #include "app/desktop/preprocess_index_builder.h"
 #include "app/desktop/sample_loader.h"
 #include "app/desktop/screenshot_runner.h"
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "ui/model/session/session.h"
 #include "ui/render/gl_program.h"
 #include "ui/render/gl_support.h"
@@ -74,7 +74,7 @@ model::SessionServices makeServices(const CommandLine& line) {
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation);
     services.cacheFolder = std::filesystem::path(cache.toStdU16String()) / "isoslider" / "indexes";
     services.backgroundPriority = model::JobPriority::Low; // what the user does comes first
-    services.wholeVolumeBytes = physicalMemoryBytes() / 2;
+    services.wholeVolumeBytes = usableMemoryBytes() / 2;
     return services;
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "preprocess/metacells/brick_list.h"
@@ -12,7 +12,7 @@ namespace isoslider::desktop {
 namespace {
 
 // As isoslider-cli: the window and the volume or its preview are there too.
-std::uint64_t budgetBytes() { return std::max(preprocess::kMinBuildMemoryBytes, physicalMemoryBytes() / 4); }
+std::uint64_t budgetBytes() { return std::max(preprocess::kMinBuildMemoryBytes, usableMemoryBytes() / 4); }
 
 Status buildFrom(io::VolumeSource& source, const std::string& sourceName, const std::filesystem::path& indexPath,
                  bool resumes, const JobControl& job) {

@@ -1,10 +1,12 @@
 #include "core/extract/slide_engine.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/memory_limit.h"
 #include "core/extract/live/live_surface.h"
 #include "core/extract/pieces/piece_tracker.h"
 #include "core/extract/sources/brick_source.h"
@@ -13,6 +15,8 @@
 
 namespace isoslider::extract {
 namespace {
+
+constexpr std::uint64_t kLeastCacheBytes = std::uint64_t{256} << 20, kMostCacheBytes = std::uint64_t{4} << 30;
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -49,16 +53,20 @@ struct StoreBacking {
     Source source;
     std::uint64_t cacheBytes;
     static constexpr bool kIsIndex = true;
-    static constexpr std::uint64_t kPointsShare = 4; // of the cache, at least; and what others leave, up to half of it
+    // Of the cache, a quarter for points at least, and what others leave, up to half of it; but who draws the surface
+    // holds all points that it has been given, too.
+    static constexpr std::uint64_t kMostPoints = std::uint64_t{512} << 20;
+    static std::uint64_t leastPoints(std::uint64_t cacheBytes) { return std::min(cacheBytes / 4, kMostPoints); }
+    static std::uint64_t mostPoints(std::uint64_t cacheBytes) { return std::min(cacheBytes / 2, kMostPoints); }
     static std::uint64_t listShare(const index::IndexReader& reader, std::uint64_t cacheBytes) {
         return cacheBytes / (reader.info().kind == index::IndexKind::Edges ? 4 : 8); // a list of bricks is small
     }
 
     StoreBacking(std::unique_ptr<index::IndexReader> opened, const SlideOptions& options)
-        : StoreBacking(std::move(opened), options.cacheBytes.value_or(kIndexCacheBytes)) {}
+        : StoreBacking(std::move(opened), options.cacheBytes ? *options.cacheBytes : indexCacheBytes()) {}
     StoreBacking(std::unique_ptr<index::IndexReader> opened, std::uint64_t bytes)
         : reader(std::move(opened)),
-          samples(*reader, bytes - listShare(*reader, bytes) - bytes / kPointsShare),
+          samples(*reader, bytes - listShare(*reader, bytes) - leastPoints(bytes)),
           source(*reader, samples, listShare(*reader, bytes),
                  boundOf(builtError(reader->info()), reader->info().min, reader->info().max)),
           cacheBytes(bytes) {}
@@ -67,8 +75,8 @@ struct StoreBacking {
     std::uint64_t pointBytes() const { return pointBytesBeside(source.listBytes()); }
     std::uint64_t pointBytesBesideFullList() const { return pointBytesBeside(listShare(*reader, cacheBytes)); }
     std::uint64_t pointBytesBeside(std::uint64_t list) const {
-        return std::clamp(cacheBytes - std::min(cacheBytes, list + samples.mostBytes()), cacheBytes / kPointsShare,
-                          cacheBytes / 2);
+        return std::clamp(cacheBytes - std::min(cacheBytes, list + samples.mostBytes()), leastPoints(cacheBytes),
+                          mostPoints(cacheBytes));
     }
 };
 
@@ -89,7 +97,8 @@ public:
         backing_.source.setMergeBound(wantedBound_);
         backing_.source.setBuildsLevels(options.buildsLevels);
         surface_.keepPoints(backing_.pointBytes());
-        surface_.setSlack(backing_.pointBytesBesideFullList() / 4);
+        constexpr std::uint64_t kMostSlack = std::uint64_t{32} << 20;
+        surface_.setSlack(std::min(backing_.pointBytesBesideFullList() / 4, kMostSlack));
     }
 
     const index::IndexInfo& info() const override { return meta().info; }
@@ -260,6 +269,8 @@ private:
 };
 
 } // namespace
+
+std::uint64_t indexCacheBytes() { return std::clamp(usableMemoryBytes() / 16, kLeastCacheBytes, kMostCacheBytes); }
 
 MergeError builtError(const index::IndexInfo& info) {
     return {info.isMergeErrorInCells ? MergeBound::Measure::Distance : MergeBound::Measure::Scalar, info.mergeError};

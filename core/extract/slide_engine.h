@@ -15,8 +15,10 @@
 
 namespace isoslider::extract {
 
-/// What is kept of an index in memory unless it is stated otherwise; and where little is read again.
-inline constexpr std::uint64_t kIndexCacheBytes = std::uint64_t{256} << 20, kSmallCacheBytes = std::uint64_t{64} << 20;
+/// What is kept of an index in memory unless it is stated otherwise: a 16th of what the process may use, between 256 MB
+/// and 4 GB. And where little is read again.
+std::uint64_t indexCacheBytes();
+inline constexpr std::uint64_t kSmallCacheBytes = std::uint64_t{64} << 20;
 
 struct SlideOptions {
     std::optional<std::uint64_t> cacheBytes; ///< bound on decoded pages, samples and points kept in memory

@@ -153,7 +153,7 @@ private:
         if (!bytes.isOk())
             return bytes.error();
         way.cost.indexBytes = bytes.value();
-        way.cost.cacheBytes = extract::kIndexCacheBytes;
+        way.cost.cacheBytes = extract::indexCacheBytes();
         if (options_.caches.empty())
             ways_.push_back(way);
         for (const std::uint64_t cacheBytes : options_.caches) {

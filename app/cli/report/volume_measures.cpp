@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/scratch_folder.h"
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
 #include "core/extract/slide_engine.h"
@@ -114,7 +114,7 @@ private:
     }
 
     Status hold(const JobControl& job) {
-        measured_.isInMemory = 2 * measured_.fileBytes <= physicalMemoryBytes();
+        measured_.isInMemory = 2 * measured_.fileBytes <= usableMemoryBytes();
         if (!measured_.isInMemory)
             return {};
         auto grid = io::readVolume(source_, path_, job);

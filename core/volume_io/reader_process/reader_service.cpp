@@ -7,7 +7,7 @@
 
 #include "core/base/file_system.h"
 #include "core/base/guarded.h"
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/base/sanitizers.h"
 #include "core/volume_io/parsing/reading_memory.h"
 #include "core/volume_io/reader_process/library_formats.h"
@@ -35,7 +35,7 @@ void setLimit(__rlimit_resource resource, rlim_t value) {
 // No decoder makes more than 1032 bytes from one (deflate), so a small file has no need of much memory.
 rlim_t memoryAllowance(const std::filesystem::path& path, const ReadOptions& options) {
     constexpr std::uint64_t kFactor = 1100, kBase = std::uint64_t{512} << 20;
-    const std::uint64_t most = std::min(physicalMemoryBytes(), kBase + readingMemoryOf(options.memoryBytes));
+    const std::uint64_t most = std::min(usableMemoryBytes(), kBase + readingMemoryOf(options.memoryBytes));
     const auto file = defaultFileSystem().openForReading(path);
     const std::uint64_t bytes = file.isOk() ? file.value()->sizeBytes() : most;
     double allowance = static_cast<double>(kBase) + static_cast<double>(kFactor) * static_cast<double>(bytes);

@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/grid/gradient.h"
 #include "ui/model/isovalue/number_text.h"
 
@@ -178,7 +178,7 @@ Result<ColourField> makeColourField(const GridGeometry& geometry, const ReadPlan
     BlockMeans means(dims, field.step);
     field.dims = means.blocks();
     const auto size = static_cast<std::size_t>(dims[0] * dims[1]);
-    if (size > physicalMemoryBytes() / (kShareOfMemory * 4 * sizeof(float)))
+    if (size > usableMemoryBytes() / (kShareOfMemory * 4 * sizeof(float)))
         return makeError(ErrorCode::OutOfSpace, "one plane of the volume does not fit in memory");
     std::vector<float> planes((isGradient ? 3 : 1) * size); // below, at and above the one that is looked at
     std::vector<float> lengths(isGradient ? size : 0);

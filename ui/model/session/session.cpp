@@ -3,7 +3,7 @@
 #include <system_error>
 
 #include "core/base/folders.h"
-#include "core/base/machine.h"
+#include "core/base/memory_limit.h"
 #include "core/extract/pieces/kept_pieces.h"
 #include "core/extract/slide_engine.h"
 #include "core/mesh/mesh_export.h"
@@ -305,7 +305,7 @@ void Session::addEvents() {
 void Session::startTopology(const std::string& name, const FindTopology& find,
                             const std::function<void(Result<FoundTopology>)>& use) {
     topology::AnalysisOptions options;
-    options.memoryBytes = physicalMemoryBytes() / 4;
+    options.memoryBytes = usableMemoryBytes() / 4;
     topologyJob_ = runner_->run<FoundTopology>(
         name,
         [path = dataset_->indexPath, options, find](const JobControl& job) -> Result<FoundTopology> {
