@@ -20,7 +20,11 @@ namespace isoslider::extract::HWY_NAMESPACE {
 /// Place of the first bit; anything without one.
 HWY_INLINE unsigned firstBit(std::uint64_t word) {
 #if HWY_TARGET <= HWY_AVX2
-    return static_cast<unsigned>(_tzcnt_u64(word)); // std::countr_zero() asks whether there is a bit
+    // Not std::countr_zero(), which asks whether there is a bit, nor _tzcnt_u64(): before each the compiler clears the
+    // register that is written, for processors of before 2015.
+    std::uint64_t place;
+    asm("tzcnt %1, %0" : "=r"(place) : "r"(word) : "cc");
+    return static_cast<unsigned>(place);
 #else
     return static_cast<unsigned>(std::countr_zero(word | std::uint64_t{1} << 63));
 #endif

@@ -18,9 +18,9 @@
 namespace isoslider::extract {
 
 /// How the vertex numbers of a cell's triangles come out of two vectors of eight numbers that are gathered from the
-/// vertex table, as byte shuffles: both halves of the 16 numbers written, from each of the two vectors.
-struct CellShuffle {
-    alignas(16) std::array<std::uint8_t, 16> lowFromFirst, lowFromSecond, highFromFirst, highFromSecond;
+/// vertex table, as byte shuffles: of the 16 numbers written, from each of the two vectors.
+struct alignas(64) CellShuffle {
+    std::array<std::uint8_t, 32> fromFirst, fromSecond;
 };
 /// Lane of each cell edge: 0 to 7 in the first vector, 8 to 15 in the second. See gathered in writeTriangles().
 inline constexpr std::array<int, 12> kLaneOfCellEdge{0, 3, 8, 11, 1, 5, 9, 13, 2, 6, 4, 7};
@@ -94,6 +94,47 @@ HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT 
         add(shiftedDown<91>(above, i), 7);
         hn::Store(all, d, signs + 64 * i);
     }
+}
+#elif HWY_TARGET > HWY_AVX3 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+// The bytes K places behind those of `here`, where `next` follows it.
+template <int K, class D, class V>
+HWY_INLINE V bytesBehind(D d, V here, V next) {
+    if constexpr (hn::MaxLanes(d) == 32)
+        return hn::CombineShiftRightBytes<K>(d, hn::ConcatLowerUpper(d, next, here), here);
+    else
+        return hn::CombineShiftRightBytes<K>(d, next, here);
+}
+
+// Signs of the cells at all points: a byte for each, joined with that of the next point, line and plane in turn.
+HWY_INLINE void findAllSigns(const BitString& above, std::uint8_t* HWY_RESTRICT signs) {
+    const hn::CappedTag<std::uint8_t, 32> d;
+    const hn::Repartition<std::uint16_t, decltype(d)> shorts;
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    const auto up = [&](auto bytes, auto shift) HWY_ATTR { // none of the bits leaves its byte
+        return hn::BitCast(d, hn::ShiftLeft<decltype(shift)::value>(hn::BitCast(shorts, bytes)));
+    };
+    const auto bits = reinterpret_cast<const std::uint8_t*>(above.words.data());
+    const auto pointsFrom = [&](std::size_t p) HWY_ATTR {
+        return hn::IfThenElseZero(hn::LoadMaskBits(d, bits + p / 8), hn::Set(d, 1));
+    };
+    const auto lineFrom = [&](auto points, auto next) HWY_ATTR {
+        return hn::Or(points, up(bytesBehind<1>(d, points, next), std::integral_constant<int, 1>()));
+    };
+    auto points = pointsFrom(lanes);
+    auto line = lineFrom(pointsFrom(0), points);
+#pragma GCC unroll 2
+    for (std::size_t p = 0; p < kPaddedPoints; p += lanes) { // of points behind the last there are words to read
+        const auto nextPoints = pointsFrom(p + 2 * lanes);
+        const auto nextLine = lineFrom(points, nextPoints);
+        hn::Store(hn::Or(line, up(bytesBehind<9>(d, line, nextLine), std::integral_constant<int, 2>())), d, signs + p);
+        points = nextPoints;
+        line = nextLine;
+    }
+    constexpr std::size_t kBehindCells = 8 * kPointStride[2];
+    for (std::size_t p = 0; p < kBehindCells; p += lanes)
+        hn::Store(hn::Or(hn::Load(d, signs + p),
+                         up(hn::LoadU(d, signs + p + kPointStride[2]), std::integral_constant<int, 4>())),
+                  d, signs + p);
 }
 #endif
 
@@ -183,14 +224,15 @@ HWY_INLINE void findStates(CellList& list) {
 void listCellsHere(const BitString& active, const BitString& above, CellList& list) {
     auto* const cells = reinterpret_cast<std::uint16_t*>(list.cells.data());
     list.count = static_cast<std::uint32_t>(listBits<1>(active, 0, cells) - cells);
-#if HWY_TARGET <= HWY_AVX3
-    alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
-    findAllSigns(above, allSigns.data());
-    for (std::uint32_t k = 0; k < list.count; ++k)
-        list.signs[k] = allSigns[list.cells[k].index()];
-#else
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
     for (std::uint32_t k = 0; k < list.count; ++k)
         list.signs[k] = signsOfCell(above, list.cells[k]);
+#else
+    alignas(64) std::array<std::uint8_t, kPaddedPoints> allSigns;
+    findAllSigns(above, allSigns.data());
+#pragma GCC unroll 4
+    for (std::uint32_t k = 0; k < list.count; ++k)
+        list.signs[k] = allSigns[list.cells[k].index()];
 #endif
     findStates(list);
 }
@@ -240,65 +282,63 @@ std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner,
     return 32 * list.ambiguousCount > list.count ? writeTrianglesOf<true>(list, firstInner, vertices, out)
                                                  : writeTrianglesOf<false>(list, firstInner, vertices, out);
 }
-#else
+#elif HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
                                  std::uint16_t* out) {
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
     return writeTrianglesReference(list, firstInner, vertices, out);
+}
 #else
-    const hn::Full128<std::uint8_t> bytes;
-    const hn::Full128<std::uint16_t> shorts;
+// Of vectors of 32 bytes both halves are alike, so that each makes another half of the numbers.
+std::uint32_t writeTrianglesHere(const CellList& list, std::uint32_t firstInner, const VertexTable& vertices,
+                                 std::uint16_t* out) {
+    const hn::CappedTag<std::uint8_t, 32> bytes;
+    const hn::Repartition<std::uint16_t, decltype(bytes)> shorts;
+    constexpr std::size_t lanes = hn::MaxLanes(shorts);
     const PlainCells& plain = plainCells();
     const StateCorners* const corners = stateCorners().data();
     std::uint16_t* const begin = out;
     // Lanes of the second piece, (x9 . z9 . | . . z10 .), that go to lanes 3, 4 and 7 of the first.
     alignas(16) static constexpr std::uint8_t kSpread[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0,  1,
                                                              4,    5,    0x80, 0x80, 0x80, 0x80, 12, 13};
-    alignas(16) static constexpr std::uint8_t kOwnLanes[16] = {255, 255, 255, 255, 255, 255, 0, 0,
-                                                               0,   0,   255, 255, 255, 255, 0, 0};
+    alignas(16) static constexpr std::uint8_t kOfFirst[16] = {255, 255, 255, 255, 255, 255, 0, 0,
+                                                              0,   0,   255, 255, 255, 255, 0, 0};
     alignas(16) static constexpr std::uint8_t kNotLane3[16] = {255, 255, 255, 255, 255, 255, 0,   0,
                                                                255, 255, 255, 255, 255, 255, 255, 255};
-    // x90 goes to lane 3 of the second vector.
-    alignas(16) static constexpr std::uint8_t kToLane3[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0,    1,
-                                                              0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80};
-    const auto spread = hn::Load(bytes, kSpread), ownLanes = hn::Load(bytes, kOwnLanes),
-               notLane3 = hn::Load(bytes, kNotLane3), toLane3 = hn::Load(bytes, kToLane3);
+    const auto spread = hn::LoadDup128(bytes, kSpread);
+    const auto ofFirst = hn::MaskFromVec(hn::LoadDup128(bytes, kOfFirst)),
+               notLane3 = hn::MaskFromVec(hn::LoadDup128(bytes, kNotLane3));
     for (std::uint32_t k = 0; k < list.count; ++k) {
         const std::uint16_t* const at = vertices.numbers.data() + 4 * list.cells[k].index();
         // Pieces of the table: points p and p + 1 (x y z . | . y z .), then those 9, 81 and 90 further on.
-        const auto here = hn::BitCast(bytes, hn::LoadU(shorts, at));
-        const auto behind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 9));
-        const auto over = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 81));
-        const auto overBehind = hn::BitCast(bytes, hn::LoadU(shorts, at + 4 * 90));
-        const auto first = hn::Or(hn::And(here, ownLanes), hn::TableLookupBytesOr0(behind, spread));
-        const auto second = hn::Or(hn::And(over, notLane3), hn::TableLookupBytesOr0(overBehind, toLane3));
-        if (HWY_UNLIKELY(list.states[k] >= 256)) {
-            const StateCorners& state = corners[list.states[k]];
-            alignas(16) std::array<std::uint16_t, 32> numbers;
-            const auto inner = hn::Add(hn::Iota(shorts, 0), hn::Set(shorts, static_cast<std::uint16_t>(firstInner)));
+        const auto piece = [&](std::size_t further)
+                               HWY_ATTR { return hn::BitCast(bytes, hn::LoadDup128(shorts, at + 4 * further)); };
+        const auto first = hn::IfThenElse(ofFirst, piece(0), hn::TableLookupBytes(piece(9), spread));
+        const auto second = hn::IfThenElse(notLane3, piece(81), hn::ShiftLeftBytes<6>(piece(90))); // of x90
+        const cell::StateId state = list.states[k];
+        if (HWY_UNLIKELY(state >= 256)) {
+            const StateCorners& its = corners[state];
+            alignas(32) std::array<std::uint16_t, 32> numbers; // halves that are alike overwrite each other
             hn::Store(hn::BitCast(shorts, first), shorts, numbers.data());
-            hn::Store(hn::BitCast(shorts, second), shorts, numbers.data() + 8);
-            hn::Store(inner, shorts, numbers.data() + 16);
-            hn::Store(hn::Add(inner, hn::Set(shorts, std::uint16_t{8})), shorts, numbers.data() + 24);
-            for (std::size_t i = 0; i < state.count; i += 4)
+            hn::StoreU(hn::BitCast(shorts, second), shorts, numbers.data() + 8);
+            for (std::size_t i = 0; i < 16; i += lanes)
+                hn::Store(hn::Iota(shorts, static_cast<std::uint16_t>(firstInner + i)), shorts,
+                          numbers.data() + 16 + i);
+            for (std::size_t i = 0; i < its.count; i += 4)
                 for (std::size_t j = i; j < i + 4; ++j)
-                    out[j] = numbers[state.lanes[j]];
-            out += state.count;
-            firstInner += state.innerVertices;
+                    out[j] = numbers[its.lanes[j]];
+            out += its.count;
+            firstInner += its.innerVertices;
             continue;
         }
-        const std::uint8_t signs = list.signs[k];
-        const CellShuffle& shuffle = plain.shuffles[signs];
-        const auto low = hn::Or(hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.lowFromFirst.data())),
-                                hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.lowFromSecond.data())));
-        const auto high = hn::Or(hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.highFromFirst.data())),
-                                 hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.highFromSecond.data())));
-        hn::StoreU(hn::BitCast(shorts, low), shorts, out);
-        hn::StoreU(hn::BitCast(shorts, high), shorts, out + 8);
-        out += plain.corners[signs];
+        const CellShuffle& shuffle = plain.shuffles[state];
+        for (std::size_t i = 0; i < 16; i += lanes) {
+            const auto fromFirst = hn::TableLookupBytesOr0(first, hn::Load(bytes, shuffle.fromFirst.data() + 2 * i)),
+                       fromSecond = hn::TableLookupBytesOr0(second, hn::Load(bytes, shuffle.fromSecond.data() + 2 * i));
+            hn::StoreU(hn::BitCast(shorts, hn::Or(fromFirst, fromSecond)), shorts, out + i);
+        }
+        out += plain.corners[state];
     }
     return static_cast<std::uint32_t>(out - begin);
-#endif
 }
 #endif
 
@@ -347,19 +387,17 @@ const PlainCells& plainCells() {
         PlainCells made;
         for (std::size_t signs = 0; signs < 256; ++signs) {
             CellShuffle& shuffle = made.shuffles[signs];
-            for (auto* part :
-                 {&shuffle.lowFromFirst, &shuffle.lowFromSecond, &shuffle.highFromFirst, &shuffle.highFromSecond})
-                part->fill(0x80);
+            shuffle.fromFirst.fill(0x80);
+            shuffle.fromSecond.fill(0x80);
             made.corners[signs] = 0;
             if (cell::isAmbiguous(static_cast<std::uint8_t>(signs)))
                 continue;
             std::size_t k = 0;
             for (const std::uint8_t edge : cell::cellStates()[signs].triangles) {
                 const int lane = kLaneOfCellEdge[edge];
-                auto& part = k < 8 ? (lane < 8 ? shuffle.lowFromFirst : shuffle.lowFromSecond)
-                                   : (lane < 8 ? shuffle.highFromFirst : shuffle.highFromSecond);
-                part[2 * (k & 7)] = static_cast<std::uint8_t>(2 * (lane & 7));
-                part[2 * (k & 7) + 1] = static_cast<std::uint8_t>(2 * (lane & 7) + 1);
+                auto& part = lane < 8 ? shuffle.fromFirst : shuffle.fromSecond;
+                part[2 * k] = static_cast<std::uint8_t>(2 * (lane & 7));
+                part[2 * k + 1] = static_cast<std::uint8_t>(2 * (lane & 7) + 1);
                 ++k;
             }
             made.corners[signs] = static_cast<std::uint8_t>(k);

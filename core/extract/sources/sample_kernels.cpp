@@ -67,6 +67,21 @@ namespace isoslider::extract::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+#if HWY_TARGET == HWY_AVX2
+// Bits of 32 lanes, of registers in which each lane has all bits or none: a few packs, for moving the bits of each
+// register out takes longer.
+HWY_INLINE std::uint32_t bitsOf(std::array<__m256i, 2> lanes) {
+    const __m256i bytes = _mm256_packs_epi16(lanes[0], lanes[1]);
+    return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_permute4x64_epi64(bytes, 0b11011000)));
+}
+HWY_INLINE std::uint32_t bitsOf(std::array<__m256i, 4> lanes) {
+    const __m256i bytes =
+        _mm256_packs_epi16(_mm256_packs_epi32(lanes[0], lanes[1]), _mm256_packs_epi32(lanes[2], lanes[3]));
+    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+    return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_permutevar8x32_epi32(bytes, order)));
+}
+#endif
+
 // A bit for each of the samples, which are whole halves of words.
 template <std::size_t kSamples, class T>
 void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RESTRICT above, T& leastAbove,
@@ -75,32 +90,53 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RE
     static_assert(kSamples % kHalf == 0);
     const hn::CappedTag<T, kHalf> d;
     constexpr std::size_t lanes = hn::MaxLanes(d); // no instruction set of unknown length has fewer
-    // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
-    using Mask =
-        std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t, std::uint32_t>>;
     const auto limit = hn::Set(d, threshold);
     const auto greatest = hn::Set(d, std::numeric_limits<T>::max()),
                least = hn::Set(d, std::numeric_limits<T>::lowest());
     auto up = greatest, down = least;
-    const auto wordOf = [&](const T* HWY_RESTRICT from, std::size_t count) HWY_ATTR {
-        std::uint64_t word = 0;
-        for (std::size_t i = 0; i < count; i += lanes) {
-            const auto sample = hn::Load(d, from + i);
-            const auto isBelow = hn::Lt(sample, limit);
+    // Less the limit, unsigned samples above it are the least ones in their order, and those below, which go round at
+    // zero, the greatest ones.
+    constexpr bool kIsCyclic = std::is_unsigned_v<T>;
+    const auto areBelow = [&](const T* HWY_RESTRICT from) HWY_ATTR {
+        const auto sample = hn::Load(d, from);
+        const auto isBelow = hn::Lt(sample, limit);
+        if constexpr (kIsCyclic) {
+            const auto beyond = hn::Sub(sample, limit);
+            up = hn::Min(up, beyond);
+            down = hn::Max(down, beyond);
+        } else {
             up = hn::Min(up, hn::IfThenElse(isBelow, greatest, sample));
             down = hn::Max(down, hn::IfThenElse(isBelow, sample, least));
+        }
+        return isBelow;
+    };
+    const auto halfOf = [&](const T* HWY_RESTRICT from) HWY_ATTR -> std::uint32_t {
+#if HWY_TARGET == HWY_AVX2
+        if constexpr (lanes == 8 || lanes == 16) {
+            std::array<__m256i, kHalf / lanes> below;
+            for (std::size_t i = 0; i < below.size(); ++i)
+                below[i] =
+                    hn::BitCast(hn::RebindToSigned<decltype(d)>(), hn::VecFromMask(d, areBelow(from + i * lanes))).raw;
+            return ~bitsOf(below);
+        }
+#endif
+        // As wide as a mask is stored: reading it wider than it was written would wait until it is in the cache.
+        using Mask =
+            std::conditional_t<lanes <= 8, std::uint8_t, std::conditional_t<lanes <= 16, std::uint16_t, std::uint32_t>>;
+        std::uint32_t half = 0;
+        for (std::size_t i = 0; i < kHalf; i += lanes) {
             Mask bits = 0;
-            hn::StoreMaskBits(d, isBelow, reinterpret_cast<std::uint8_t*>(&bits));
+            hn::StoreMaskBits(d, areBelow(from + i), reinterpret_cast<std::uint8_t*>(&bits));
             if constexpr (lanes < 8)
                 bits &= static_cast<Mask>((1u << lanes) - 1);
-            word |= std::uint64_t{bits} << i;
+            half |= std::uint32_t{bits} << i;
         }
-        return ~word;
+        return ~half;
     };
     for (std::size_t w = 0; w < kSamples / (2 * kHalf); ++w)
-        above[w] = wordOf(samples + 2 * kHalf * w, 2 * kHalf);
+        above[w] = halfOf(samples + 2 * kHalf * w) | std::uint64_t{halfOf(samples + 2 * kHalf * w + kHalf)} << 32;
     if constexpr (kSamples % (2 * kHalf) != 0)
-        above[kSamples / (2 * kHalf)] = static_cast<std::uint32_t>(wordOf(samples + kSamples - kHalf, kHalf));
+        above[kSamples / (2 * kHalf)] = halfOf(samples + kSamples - kHalf);
     // Lane by lane: reductions of some types are missing in some sets, and this is once in many samples.
     alignas(64) T ups[kHalf], downs[kHalf];
     hn::Store(up, d, ups);
@@ -112,9 +148,14 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RE
         }
     leastAbove = ups[0];
     greatestBelow = downs[0];
+    if constexpr (kIsCyclic) {
+        const auto most = static_cast<T>(std::numeric_limits<T>::max() - threshold); // of those above
+        leastAbove = ups[0] <= most ? static_cast<T>(ups[0] + threshold) : std::numeric_limits<T>::max();
+        greatestBelow = downs[0] > most ? static_cast<T>(downs[0] + threshold) : T{0};
+    }
 }
 
-#if HWY_TARGET <= HWY_AVX3_DL
+#if HWY_TARGET <= HWY_AVX2
 // As finishClassification().
 template <class T>
 HWY_INLINE void finish(const BrickMasks& masks, std::optional<BitsInMemory> before, ClassifiedBrick<T>& out) {
@@ -128,13 +169,13 @@ HWY_INLINE void finish(const BrickMasks& masks, std::optional<BitsInMemory> befo
     ((anyXy | anyXy.down<81>()) & WideBits::load(masks.cells))
         .without(allXy & allXy.down<81>())
         .store(out.active.cells);
-    __m512i owned = _mm512_setzero_si512(), added = owned, removed = owned;
+    BitCounter owned, added, removed;
     const auto count = [&](std::size_t axis, const WideBits& were) HWY_ATTR {
         edges[axis].store(out.active.edges[axis]);
         const WideBits own = WideBits::load(masks.owned[axis]), now = edges[axis] & own, was = were & own;
-        owned = _mm512_add_epi64(owned, now.counts());
-        added = _mm512_add_epi64(added, now.without(was).counts());
-        removed = _mm512_add_epi64(removed, was.without(now).counts());
+        owned.add(now);
+        added.add(now.without(was));
+        removed.add(was.without(now));
     };
     if (before) {
         const WideBits had = WideBits::load(*before);
@@ -145,14 +186,13 @@ HWY_INLINE void finish(const BrickMasks& masks, std::optional<BitsInMemory> befo
         const WideBits x = flipped | flipped.down<1>(), xy = x | x.down<9>();
         (xy | xy.down<81>()).store(out.changed);
     } else {
-        const WideBits none{_mm512_setzero_si512(), _mm512_setzero_si512()};
         for (std::size_t axis = 0; axis < 3; ++axis)
-            count(axis, none);
+            count(axis, WideBits::none());
         out.changed.words.fill(~std::uint64_t{0});
     }
-    out.ownedEdges = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(owned));
-    out.edgesAdded = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(added));
-    out.edgesRemoved = static_cast<std::uint32_t>(_mm512_reduce_add_epi64(removed));
+    out.ownedEdges = owned.total();
+    out.edgesAdded = added.total();
+    out.edgesRemoved = removed.total();
 }
 #else
 template <class T>
@@ -189,6 +229,7 @@ std::uint32_t numberEdgesHere(const ActiveBits& active, VertexCode* HWY_RESTRICT
     end = listBits<4>(active.edges[1], 1, end);
     end = listBits<4>(active.edges[2], 2, end);
     const auto count = static_cast<std::uint32_t>(end - codes);
+#pragma GCC unroll 4
     for (std::uint32_t k = 0; k < count; ++k)
         vertices.numbers[codes[k]] = static_cast<std::uint16_t>(k);
     return count;
