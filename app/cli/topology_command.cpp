@@ -297,24 +297,31 @@ private:
             return steps.error();
         for (const char* name : {"isovalue", "components", "euler", "boundary_loops", "handles", "voids"})
             answer.json[name] = Json::array();
-        answer.text = fmt::format("{:>14} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12} {:>12} {:>10} {:>12}\n", "isovalue",
-                                  "pieces", "tunnels", "boundary loops", "voids", "Euler number", "area",
-                                  "volume above", "triangles", "mean gradient");
+        const bool isMeasured = !summary.curves().isEmpty();
+        answer.text = fmt::format("{:>14} {:>10} {:>10} {:>14} {:>8} {:>12}", "isovalue", "pieces", "tunnels",
+                                  "boundary loops", "voids", "Euler number");
+        if (isMeasured)
+            answer.text +=
+                fmt::format(" {:>12} {:>12} {:>10} {:>12}", "area", "volume above", "triangles", "mean gradient");
+        answer.text += '\n';
         for (const double isovalue : steps.value()) {
             const auto counts = summary.at(isovalue);
             if (!counts.isOk())
                 return counts.error();
-            const topology::SurfaceMeasures measures = summary.curves().at(isovalue);
             answer.json["isovalue"].push_back(isovalue);
             Json all = countsJson(counts.value(), summary.areCountsExact());
-            all.update(measuresJson(measures));
+            answer.text += fmt::format("{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12}", isovalue,
+                                       counts.value().components, tunnelsText(counts.value(), summary.areCountsExact()),
+                                       counts.value().loops, counts.value().voids, counts.value().euler);
+            if (isMeasured) {
+                const topology::SurfaceMeasures measures = summary.curves().at(isovalue);
+                all.update(measuresJson(measures));
+                answer.text += fmt::format(" {:>12.5g} {:>12.5g} {:>10.0f} {:>12.5g}", measures.area, measures.volume,
+                                           measures.triangles, measures.gradient);
+            }
+            answer.text += '\n';
             for (const auto& [name, value] : all.items())
                 answer.json[name].push_back(value);
-            answer.text +=
-                fmt::format("{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12} {:>12.5g} {:>12.5g} {:>10.0f} {:>12.5g}\n",
-                            isovalue, counts.value().components, tunnelsText(counts.value(), summary.areCountsExact()),
-                            counts.value().loops, counts.value().voids, counts.value().euler, measures.area,
-                            measures.volume, measures.triangles, measures.gradient);
         }
         return {};
     }
@@ -336,6 +343,11 @@ private:
 
     static Status showIsovalues(const topology::TopologySummary& summary, Answer& answer,
                                 double topology::SurfaceMeasures::*measure, double value) {
+        if (summary.curves().isEmpty()) {
+            answer.json["isovalues"] = Json();
+            answer.text = "not measured: the volume has no surface, or values too large or too close to reckon with\n";
+            return {};
+        }
         const std::vector<double> isovalues = topology::isovaluesWith(summary.curves(), measure, value);
         answer.json["isovalues"] = isovalues;
         for (const double isovalue : isovalues)
@@ -352,7 +364,7 @@ private:
         const topology::SurfaceDifference& difference = found.value();
         answer.json["from"] = countsJson(difference.from, summary.areCountsExact());
         answer.json["to"] = countsJson(difference.to, summary.areCountsExact());
-        answer.json["volume_between"] = difference.volume;
+        answer.json["volume_between"] = summary.curves().isEmpty() ? Json() : Json(difference.volume);
         answer.text =
             fmt::format("{}: {}\n{}: {}\n", between_[0], countsText(difference.from, summary.areCountsExact()),
                         between_[1], countsText(difference.to, summary.areCountsExact()));
@@ -366,7 +378,8 @@ private:
                                        difference.events, difference.births, difference.deaths, difference.joins,
                                        difference.splits);
         }
-        answer.text += fmt::format("volume between: about {:.5g}\n", difference.volume);
+        if (!summary.curves().isEmpty())
+            answer.text += fmt::format("volume between: about {:.5g}\n", difference.volume);
         return {};
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -11,12 +12,13 @@
 namespace isoslider::topology {
 namespace {
 
-// The place that an event is shown at: of a grid point rather than of a saddle, where most lasts, where most changes.
+// The place that an event is shown at: of a grid point rather than of a saddle, where most lasts, where most changes;
+// the first of equal ones.
 class Place {
 public:
-    void offer(Cause cause, double persistence, int changes) {
-        const auto rank = std::tuple(cause.isVertex(), persistence, std::abs(changes));
-        if (hasOne_ && rank <= rank_)
+    void offer(Cause cause, double persistence, std::int64_t changes) {
+        const auto rank = std::tuple(cause.isVertex(), persistence, changes);
+        if (hasOne_ && (rank < rank_ || (rank == rank_ && !(cause < cause_))))
             return;
         hasOne_ = true;
         rank_ = rank;
@@ -36,16 +38,15 @@ public:
 
 private:
     bool hasOne_ = false;
-    std::tuple<bool, double, int> rank_;
+    std::tuple<bool, double, std::int64_t> rank_;
     Cause cause_;
 };
 
 struct EulerSum {
     std::int64_t euler = 0;
-    EulerChange largest{};
+    std::optional<Cause> first;
     void add(const EulerChange& change) {
-        if (euler == 0 || std::abs(change.euler()) > std::abs(largest.euler()))
-            largest = change;
+        first = std::min(change.cause(), first.value_or(change.cause()));
         euler += change.euler();
     }
 };
@@ -97,7 +98,7 @@ private:
         for (const EulerSum& sum : sums) {
             counts.euler += sum.euler;
             if (sum.euler != 0)
-                place.offer(sum.largest.cause(), 0.0, static_cast<int>(sum.largest.euler()));
+                place.offer(*sum.first, 0.0, std::abs(sum.euler));
         }
     }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace isoslider::topology {
@@ -13,13 +16,18 @@ struct SurfaceMeasures {
     double gradient = 0.0;
 };
 
-/// The same at isovalues that ascend, the first and last of which are the least and greatest sample; between them
-/// linear.
+/// The next double, between which and `value` there is no isovalue.
+inline double nextAbove(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
+
+/// The same at isovalues that ascend, from the least sample, at which there is no surface yet, to the greatest or just
+/// beyond; between them linear. The surface jumps just above a value that many samples have.
 struct MeasureCurves {
     std::vector<double> isovalues;
     std::vector<SurfaceMeasures> measures; ///< one for each isovalue
 
     bool isEmpty() const { return isovalues.empty(); }
+    /// Whether the surface jumps from isovalue i to the next one, with none in between.
+    bool jumpsAfter(std::size_t i) const { return isovalues[i + 1] == nextAbove(isovalues[i]); }
     /// O(log n). Beyond the ends that of the end.
     SurfaceMeasures at(double isovalue) const;
 };

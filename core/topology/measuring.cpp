@@ -21,6 +21,9 @@ namespace {
 constexpr std::size_t kIsovalues = 128;
 constexpr std::size_t kIsovaluesBeyond = 24; // from the usual values to either end
 constexpr double kMostCells = 130'000.0;
+// Values that so many samples have are measured on both sides.
+constexpr double kManySamples = 0.01;
+constexpr std::size_t kMostJumps = 16;
 // What the plan itself looks at.
 constexpr std::int64_t kSlabs = 16;
 constexpr double kLooked = 200'000.0;
@@ -121,6 +124,25 @@ std::pair<double, double> usualValues(const std::vector<double>& samples, double
     return usual;
 }
 
+/// Values that many of the samples, which ascend, have: those that most have.
+std::vector<double> frequentValues(const std::vector<double>& samples) {
+    std::vector<std::pair<std::size_t, double>> found; // how often, and what
+    const auto many = kManySamples * static_cast<double>(samples.size());
+    for (std::size_t first = 0, next = 0; first < samples.size(); first = next) {
+        while (next < samples.size() && samples[next] == samples[first])
+            ++next;
+        if (static_cast<double>(next - first) >= many)
+            found.push_back({next - first, samples[first]});
+    }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    std::vector<double> values;
+    for (std::size_t i = 0; i < std::min(kMostJumps, found.size()); ++i)
+        values.push_back(found[i].second);
+    return values;
+}
+
 } // namespace
 
 Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double greatest, const JobControl& job) {
@@ -133,6 +155,8 @@ Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double
         return looked.error();
     const std::vector<double>& samples = looked.value().samples;
     plan.usual = samples.empty() ? std::pair(least, greatest) : usualValues(samples, least, greatest);
+    if (!isMeasurable(plan.usual.first, plan.usual.second)) // most samples have one value: the others are what there is
+        plan.usual = {least, greatest};
     const auto [low, high] = plan.usual;
     if (!isMeasurable(low, high))
         return MeasurePlan();
@@ -149,11 +173,17 @@ Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double
         addEvenly(high, greatest, kIsovaluesBeyond);
     for (std::size_t i = 0; i < kIsovalues && !samples.empty(); ++i)
         plan.isovalues.push_back(samples[(2 * i + 1) * samples.size() / (2 * kIsovalues)]);
+    for (const double value : frequentValues(samples))
+        plan.isovalues.insert(plan.isovalues.end(), {value, nextAbove(value)});
+    if (isMeasurable(least, high))
+        plan.isovalues.push_back(nextAbove(least));
+    if (isMeasurable(low, greatest))
+        plan.isovalues.push_back(greatest);
     plan.least = least;
     plan.greatest = greatest;
     std::sort(plan.isovalues.begin(), plan.isovalues.end());
     plan.isovalues.erase(std::unique(plan.isovalues.begin(), plan.isovalues.end()), plan.isovalues.end());
-    std::erase_if(plan.isovalues, [&](double v) { return !(v > least && v < greatest); });
+    std::erase_if(plan.isovalues, [&](double v) { return !(v > least && v <= greatest); });
     for (const double isovalue : plan.isovalues)
         plan.shares.push_back(std::min(1.0, kMostCells / std::max(1.0, looked.value().active(isovalue))));
     return plan;

@@ -22,9 +22,10 @@ struct MeasurePlan {
 };
 
 /// Isovalues evenly through the usual values, and as many with equally many samples between them; beyond, where a few
-/// samples may lie orders of magnitude away, some to either end. Of large surfaces some hundred thousand cells are
-/// looked at. By some of the samples: reads a few planes. `least` and `greatest` are those of all finite samples.
-/// Errors: those of `source`, Cancelled.
+/// samples may lie orders of magnitude away, some to either end; and both sides of where the surface jumps: the least
+/// sample, the greatest, and values that many samples have. Of large surfaces some hundred thousand cells are looked
+/// at. By some of the samples: reads a few planes. `least` and `greatest` are those of all finite samples. Errors:
+/// those of `source`, Cancelled.
 Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double greatest, const JobControl& job = {});
 /// Of a volume in memory; looks at each sample once.
 MeasurePlan planMeasures(const ScalarGrid& grid);

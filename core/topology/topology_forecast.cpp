@@ -37,6 +37,8 @@ public:
         below.flood(window, whole);
         std::vector<double> found;
         for (const EulerChange& change : findStripChanges(window, whole, above, below).euler) {
+            if (change.euler() == 0)
+                continue;
             const auto point = static_cast<std::int64_t>(change.cause().point());
             const std::array<std::int64_t, 3> at{point % cube_[0], point / cube_[0] % cube_[1],
                                                  point / (cube_[0] * cube_[1])};

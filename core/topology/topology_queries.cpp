@@ -18,8 +18,6 @@ constexpr double kPersistent = 0.05;
 // Up to that area a larger one is worth more, by the root of its share: its width as it is seen.
 constexpr double kWorthALook = 0.05;
 
-double nextAbove(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
-
 } // namespace
 
 Result<std::vector<IsovalueInterval>> intervalsWith(const TopologySummary& summary,
@@ -47,6 +45,8 @@ std::vector<double> isovaluesWith(const MeasureCurves& curves, double SurfaceMea
             found.push_back(curves.isovalues[i]);
         if (i + 1 == curves.isovalues.size())
             break;
+        if (curves.jumpsAfter(i))
+            continue;
         const double next = curves.measures[i + 1].*measure;
         if ((here < value && next > value) || (here > value && next < value)) {
             const double part = (value - here) / (next - here);
@@ -138,6 +138,8 @@ Result<std::vector<Suggestion>> suggestIsovalues(const TopologySummary& summary)
         largestArea = std::max(largestArea, at.area);
     const double large = std::min(sideArea, largestArea);
     for (std::size_t i = 0; i < curves.isovalues.size(); ++i) {
+        if ((i > 0 && curves.jumpsAfter(i - 1)) || (i + 1 < curves.isovalues.size() && curves.jumpsAfter(i)))
+            continue; // an isovalue that is next to another one is none to go to
         const bool isUsual = curves.isovalues[i] >= low && curves.isovalues[i] <= high;
         const double area = curves.measures[i].area;
         const double weighed = curves.measures[i].gradient * std::sqrt(std::min(1.0, area / large));

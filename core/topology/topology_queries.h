@@ -22,7 +22,8 @@ IsovalueInterval usualRange(const MeasureCurves& curves, double first, double la
 Result<std::vector<IsovalueInterval>> intervalsWith(const TopologySummary& summary,
                                                     const std::function<bool(const SurfaceCounts&)>& isWanted);
 
-/// Isovalues at which a curve passes through `value`, ascending: between those measured it is linear.
+/// Isovalues at which a curve passes through `value`, ascending: between those measured it is linear. What it jumps
+/// over it does not pass through.
 std::vector<double> isovaluesWith(const MeasureCurves& curves, double SurfaceMeasures::*measure, double value);
 
 /// What happens while the isovalue rises from one value to another.

@@ -564,6 +564,50 @@ TEST(MeasureCurves, WithOutliersAreThoseOfMeshesToo) {
         }
 }
 
+// Labels: most samples have the least value, and many one of the others.
+TEST(MeasureCurves, AreKnownOnBothSidesOfValuesThatManySamplesHave) {
+    const ScalarGrid labels = gridOf({40, 40, 40}, [](double x, double y, double z) {
+        const double r = std::hypot(x - 19.6, y - 19.4, z - 19.5);
+        return r < 9.0 ? 2.0 : r < 15.0 ? 1.0 : 0.0;
+    });
+    AnalysisOptions options;
+    options.measures = planMeasures(labels);
+    const MeasureCurves curves = analysed(labels, options).curves();
+    for (const double isovalue : {nextAbove(0.0), 0.5, 1.0, nextAbove(1.0), 1.5, 2.0}) {
+        const auto at = std::lower_bound(curves.isovalues.begin(), curves.isovalues.end(), isovalue);
+        if (isovalue != 0.5 && isovalue != 1.5) {
+            ASSERT_NE(at, curves.isovalues.end());
+            EXPECT_EQ(*at, isovalue);
+        }
+        const mesh::MeshReport mesh = meshAt(labels, isovalue);
+        const SurfaceMeasures found = curves.at(isovalue);
+        EXPECT_NEAR(found.area, mesh.area, 0.01 * mesh.area) << isovalue;
+        EXPECT_NEAR(found.volume, std::abs(mesh.enclosedVolume), 0.01 * std::abs(mesh.enclosedVolume)) << isovalue;
+    }
+    EXPECT_EQ(curves.at(0.0).area, 0.0);
+    EXPECT_EQ(curves.at(nextAbove(2.0)).area, 0.0);
+    // No isovalue has an area that the surface jumps over.
+    const double small = curves.at(nextAbove(1.0)).area, large = curves.at(1.0).area;
+    ASSERT_LT(1.2 * small, large);
+    for (const double isovalue : isovaluesWith(curves, &SurfaceMeasures::area, 0.5 * (small + large)))
+        EXPECT_NEAR(curves.at(isovalue).area, 0.5 * (small + large), 1e-6 * large);
+    EXPECT_TRUE(isovaluesWith(curves, &SurfaceMeasures::area, 0.5 * curves.at(2.0).area).empty());
+}
+
+// A few voxels in a large volume: those that the plan looks at may all be of the background.
+TEST(MeasureCurves, AreThereWhereHardlyAnySampleDiffers) {
+    const ScalarGrid sparse = gridOf({70, 70, 70}, [](double x, double y, double z) {
+        return x > 33 && x < 37 && y > 33 && y < 37 && z > 34 && z < 37 ? 4.0 : 0.0;
+    });
+    AnalysisOptions options;
+    options.measures = planMeasures(sparse);
+    const MeasureCurves curves = analysed(sparse, options).curves();
+    const mesh::MeshReport mesh = meshAt(sparse, 2.0);
+    ASSERT_FALSE(curves.isEmpty());
+    EXPECT_NEAR(curves.at(2.0).area, mesh.area, 0.01 * mesh.area);
+    EXPECT_NEAR(curves.at(2.0).triangles, static_cast<double>(mesh.triangles), 0.5);
+}
+
 // Around its object a scan has noise, whose surface is larger than any other.
 TEST(MeasureCurves, TheSteepestSurfaceIsNotThatOfNoise) {
     const ScalarGrid plain = ballInNothing(false), noisy = ballInNothing(false, 0.05);

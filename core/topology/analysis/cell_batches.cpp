@@ -39,11 +39,10 @@ public:
             measure(found.data() + 4 * lane_);
         }
         for (std::size_t i = 0; i < batch.count; ++i) {
-            BatchSum& sum = parts_.sums[batch.into[i]];
-            sum.area += static_cast<double>(found[4 * i]);
-            sum.volume += static_cast<double>(found[4 * i + 1]);
-            sum.gradient += static_cast<double>(found[4 * i + 2]);
-            sum.triangles += static_cast<double>(found[4 * i + 3]);
+            const std::uint32_t into = batch.into[i];
+            parts_.sums[into].add(static_cast<double>(found[4 * i]), static_cast<double>(found[4 * i + 1]),
+                                  parts_.gradientShare[into & 1] * static_cast<double>(found[4 * i + 2]),
+                                  static_cast<double>(found[4 * i + 3]));
         }
         batch.count = 0;
     }
@@ -191,11 +190,9 @@ HWY_INLINE void addAt(CellBatches::Parts& parts, std::span<const cell::CellState
     const auto into = static_cast<std::uint32_t>(2 * k + (cell.isUsual ? 1 : 0));
     if (HWY_UNLIKELY(isFar || states[id].tunnel != cell::Tunnel::None)) {
         const CellSum sum = parts.single.at(cell.scalars, states[id], isovalue);
-        BatchSum& to = parts.sums[into];
-        to.area += sum.area / parts.areaUnit;
-        to.volume += sum.volume;
-        to.gradient += sum.gradient / (parts.areaUnit * parts.gradientUnit);
-        to.triangles += states[id].triangleCount;
+        parts.sums[into].add(sum.area / parts.areaUnit, sum.volume,
+                             parts.gradientShare[into & 1] * (sum.gradient / (parts.areaUnit * parts.gradientUnit)),
+                             states[id].triangleCount);
         return;
     }
     CellBatches::Batch& batch = parts.batches[id];
@@ -270,6 +267,10 @@ CellBatches::CellBatches(const MeasurePlan& plan, const GridGeometry& geometry)
         parts_.isAmbiguous[signs] = cell::isAmbiguous(static_cast<std::uint8_t>(signs));
     parts_.areaUnit = unitOf(parts_.single.areaToWorld(), parts_.areaToWorld) / 2.0;
     parts_.gradientUnit = unitOf(parts_.single.gradientToWorld(), parts_.gradientToWorld) / parts_.scale;
+    // A unit of gradients is the usual range for a step; between values far away they may be as large as the whole
+    // range.
+    if (const double far = parts_.scale * (plan.greatest - plan.least); far > 1.0 && std::isfinite(far))
+        parts_.gradientShare[0] = 1.0 / far;
     parts_.batches.resize(cell::cellStates().size());
     parts_.sums.resize(2 * plan.isovalues.size());
     for (std::size_t e = 0; e < cell::kCellEdges.size(); ++e)
@@ -289,15 +290,18 @@ double CellBatches::weight(double share) { return kRanks / (static_cast<double>(
 
 void CellBatches::add(std::span<const MeasuredCell> cells) { HWY_DYNAMIC_DISPATCH(addCellsHere)(parts_, cells); }
 
-const std::vector<BatchSum>& CellBatches::finish() {
+const std::vector<ExactSum>& CellBatches::finish() {
     for (std::size_t state = 0; state < parts_.batches.size(); ++state)
         if (parts_.batches[state].count > 0)
             HWY_DYNAMIC_DISPATCH(measureBatchHere)(parts_, state);
-    for (BatchSum& sum : parts_.sums) {
-        sum.area *= parts_.areaUnit;
-        sum.gradient *= parts_.areaUnit * parts_.gradientUnit;
-    }
     return parts_.sums;
+}
+
+BatchSum CellBatches::measured(std::size_t element, const ExactSum& sum) const {
+    BatchSum found = sum.sum();
+    found.area *= parts_.areaUnit;
+    found.gradient *= parts_.areaUnit * parts_.gradientUnit / parts_.gradientShare[element & 1];
+    return found;
 }
 
 } // namespace isoslider::topology

@@ -22,14 +22,45 @@ struct MeasuredCell {
     bool isUsual = true; ///< all scalars within the plan's usual values
 };
 
-/// Sums at one isovalue, of cells of one kind.
+/// What cells of one kind measure at one isovalue.
 struct BatchSum {
     double area = 0.0, volume = 0.0, gradient = 0.0, triangles = 0.0;
 };
 
+/// The same as whole multiples of 2^-50 of a unit: it does not depend on the order in which cells are added, nor on the
+/// parts in which they come.
+class ExactSum {
+public:
+    void add(double area, double volume, double gradient, double triangles) {
+        area_ += wholeOf(area);
+        volume_ += wholeOf(volume);
+        gradient_ += wholeOf(gradient);
+        triangles_ += wholeOf(triangles);
+    }
+    void add(const ExactSum& other) {
+        area_ += other.area_;
+        volume_ += other.volume_;
+        gradient_ += other.gradient_;
+        triangles_ += other.triangles_;
+    }
+    BatchSum sum() const { return {valueOf(area_), valueOf(volume_), valueOf(gradient_), valueOf(triangles_)}; }
+    friend bool operator==(const ExactSum&, const ExactSum&) = default;
+
+private:
+    using Wide = __int128; // NOLINT: an extension that GCC and Clang share
+    static constexpr double kUnits = 1125899906842624.0, kMost = 4096.0; // no cell measures so much
+
+    static std::int64_t wholeOf(double value) { // NaN becomes the least
+        return static_cast<std::int64_t>(kUnits * (value > -kMost ? value < kMost ? value : kMost : -kMost));
+    }
+    static double valueOf(Wide sum) { return static_cast<double>(sum) / kUnits; }
+
+    Wide area_ = 0, volume_ = 0, gradient_ = 0, triangles_ = 0;
+};
+
 /// Measures many cells quickly. Cells of one state have the same triangles: they wait until there are kTogether of
-/// them, which are then measured together, a cell to a lane, in single precision. What is added up, and in which order,
-/// depends on the cells alone, not on the width of vectors.
+/// them, which are then measured together, a cell to a lane, in single precision. What is added up depends on the cells
+/// alone, not on the width of vectors.
 class CellBatches {
 public:
     static constexpr std::size_t kTogether = 16;
@@ -39,7 +70,9 @@ public:
     /// O(isovalues of the cells), some ten nanoseconds for each that is looked at.
     void add(std::span<const MeasuredCell> cells);
     /// Measures what is waiting. Element 2 i + 1: of usual cells at isovalue i; 2 i: of others.
-    const std::vector<BatchSum>& finish();
+    const std::vector<ExactSum>& finish();
+    /// Of an element with this number, in units of the geometry.
+    BatchSum measured(std::size_t element, const ExactSum& sum) const;
 
     /// A rank is looked at if it is not beyond this; of one isovalue.
     static std::uint32_t lastRank(double share);
@@ -60,7 +93,8 @@ public:
         std::array<float, 9> areaToWorld{}, gradientToWorld{}; ///< by columns, none greater than 1
         std::array<bool, 256> isAmbiguous{};
         std::vector<Batch> batches; ///< by state
-        std::vector<BatchSum> sums;
+        std::vector<ExactSum> sums;
+        std::array<double, 2> gradientShare{1.0, 1.0}; ///< of which the sums are, of others and usual cells
         /// Of the vertices of a batch: those on edges differ along one axis only.
         alignas(64) std::array<std::array<std::array<float, kTogether>, 3>,
                                cell::kInnerVertex + cell::kMaxInnerVertices> places{};

@@ -19,33 +19,43 @@ bool hasCome(Side side, double isovalue, double now) {
     return !std::isnan(isovalue) && !comesEarlier(side, now, isovalue);
 }
 
+// Places of links in the order in which they are met.
+std::span<const std::uint32_t> meetingOrder(Side side, const std::vector<Link>& links, IsovalueOrder& order) {
+    const std::span<std::uint32_t> places = order.of(links, side == Side::Above);
+    const auto isBefore = [&](std::uint32_t a, std::uint32_t b) {
+        return isMetFirst(side, links[a].cause, links[b].cause);
+    };
+    for (auto begin = places.begin(); begin != places.end();) {
+        const double isovalue = links[*begin].isovalue;
+        auto end = begin + 1;
+        bool ascend = true;
+        for (; end != places.end() && links[*end].isovalue == isovalue; ++end)
+            ascend = ascend && !isBefore(*end, end[-1]);
+        if (!ascend)
+            std::sort(begin, end, isBefore);
+        begin = end;
+    }
+    return places;
+}
+
 } // namespace
 
 // Kruskal's algorithm.
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links, IsovalueOrder& order) {
-    if (side == Side::Above)
-        std::reverse(links.begin(), links.end()); // of equal isovalues the first is met first
-    const std::span<const std::uint32_t> places = order.of(links);
     DisjointSets<> sets(seeds);
     std::vector<char> isKept(links.size(), 0);
-    const auto meet = [&](std::uint32_t place) {
+    for (const std::uint32_t place : meetingOrder(side, links, order)) {
         const auto a = sets.rootOf(links[place].a), b = sets.rootOf(links[place].b);
         if (a == b)
-            return;
+            continue;
         sets.attach(std::max(a, b), std::min(a, b));
         isKept[place] = 1;
-    };
-    if (side == Side::Above)
-        std::for_each(places.rbegin(), places.rend(), meet);
-    else
-        std::for_each(places.begin(), places.end(), meet);
+    }
     std::size_t count = 0;
     for (std::size_t i = 0; i < links.size(); ++i)
         if (isKept[i] != 0)
             links[count++] = links[i];
     links.resize(count);
-    if (side == Side::Above)
-        std::reverse(links.begin(), links.end());
 }
 
 void ComponentHistory::add(const ComponentHistory& other) {
@@ -61,7 +71,9 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
     auto& seeds = graph.seeds;
     auto& links = graph.links;
     const auto isElder = [&](std::uint32_t a, std::uint32_t b) {
+        // Of equal samples in the order in which one leads to the other within a strip.
         return seeds[a].isovalue != seeds[b].isovalue ? comesEarlier(side, seeds[a].isovalue, seeds[b].isovalue)
+               : side == Side::Above                  ? seeds[a].point > seeds[b].point
                                                       : seeds[a].point < seeds[b].point;
     };
     ComponentHistory found;
@@ -102,13 +114,12 @@ std::vector<std::uint32_t> settleComponents(ComponentGraph& graph, std::vector<d
         opens[elder] = earlier(side, opens[elder], opens[younger]);
     };
     // Links lie far apart in this order.
-    const std::span<const std::uint32_t> places = order.of(links);
+    const std::span<const std::uint32_t> places = meetingOrder(side, links, order);
     constexpr std::size_t kAhead = 12;
     for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto at = [&](std::size_t k) { return side == Side::Above ? places[places.size() - 1 - k] : places[k]; };
         if (i + kAhead < places.size())
-            __builtin_prefetch(&links[at(i + kAhead)]);
-        meet(at(i));
+            __builtin_prefetch(&links[places[i + kAhead]]);
+        meet(places[i]);
     }
     links.assign(left.begin(), left.end());
 

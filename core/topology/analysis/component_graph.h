@@ -29,6 +29,15 @@ struct Link {
     std::uint32_t a, b;
 };
 
+/// Which of two links of one isovalue is met first. The order does not depend on the parts that a volume is taken in,
+/// so the same links matter: those at grid points come first, for within a part there are none to a point's own
+/// neighbours; of equal samples in the order in which one leads to the other.
+inline bool isMetFirst(Side side, Cause a, Cause b) {
+    if (a.isVertex() != b.isVertex())
+        return a.isVertex();
+    return a.isVertex() && side == Side::Above ? b < a : a < b;
+}
+
 /// The components of one side at every isovalue, as a graph of seeds and links. Links that never matter may be left
 /// out: any forest of earliest links has the same components at every isovalue.
 struct ComponentGraph {
@@ -37,8 +46,8 @@ struct ComponentGraph {
     std::vector<Link> links;
 };
 
-/// Leaves out links whose ends are joined no later without them; of equal isovalues the first. Those left keep their
-/// order. O(links), nearly.
+/// Leaves out links whose ends are joined no later without them; of equal isovalues those that are met first stay.
+/// Those left keep their order. O(links), nearly.
 void keepForest(Side side, std::size_t seeds, std::vector<Link>& links, IsovalueOrder& order);
 
 /// Components that come, or join elder ones, at one isovalue: at a grid point, or at saddles.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -13,8 +12,8 @@
 
 namespace isoslider::topology {
 
-/// Adds up changes of the Euler number at each isovalue: those of samples, and those of saddles, each with the cause
-/// that most is due to. Among equal samples most of them cancel out.
+/// Adds up changes of the Euler number at each isovalue: those of samples, and those of saddles, as sumUp() does. Among
+/// equal samples most of them cancel out.
 template <class Sample>
 class EulerSums {
 public:
@@ -26,10 +25,7 @@ public:
             return;
         if (!bins_.empty()) {
             Bin& bin = bins_[binOf(sample)];
-            if (std::abs(euler) > bin.largest) {
-                bin.largest = std::abs(euler);
-                bin.point = point;
-            }
+            bin.point = std::min(bin.point, point);
             bin.euler += euler;
         } else {
             changes_.push_back({static_cast<double>(sample), Cause::vertex(point), euler});
@@ -40,15 +36,17 @@ public:
             changes_.push_back({isovalue, cause, euler});
     }
 
-    /// Ascending; of one isovalue at most one of samples and one of saddles.
+    /// Ascending; of one isovalue at most one of samples and one of saddles, but for large ones.
     std::vector<EulerChange> take() {
-        for (std::size_t i = 0; i < bins_.size(); ++i)
-            for (std::int64_t rest = bins_[i].euler; rest != 0;) {
+        for (std::size_t i = 0; i < bins_.size(); ++i) {
+            std::int64_t rest = bins_[i].euler;
+            for (bool isThere = bins_[i].point != kNone; isThere; isThere = rest != 0) {
                 const std::int64_t part = std::clamp(rest, -EulerChange::kMost, EulerChange::kMost);
                 changes_.push_back(
                     {static_cast<double>(static_cast<std::int64_t>(i) + kLeast), Cause::vertex(bins_[i].point), part});
                 rest -= part;
             }
+        }
         IsovalueOrder().sort(changes_);
         sumUp(changes_);
         changes_.shrink_to_fit();
@@ -65,10 +63,10 @@ private:
             return static_cast<std::size_t>(static_cast<std::int64_t>(sample) - kLeast);
         return 0;
     }
+    static constexpr Point kNone = ~Point{0};
     struct Bin {
-        Point point = 0;
+        Point point = kNone;
         std::int64_t euler = 0;
-        int largest = 0;
     };
     std::vector<Bin> bins_;
     std::vector<EulerChange> changes_;

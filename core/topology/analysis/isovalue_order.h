@@ -19,18 +19,22 @@ namespace isoslider::topology {
 /// for very uneven isovalues, 16 bytes an item.
 class IsovalueOrder {
 public:
-    /// Places of items, isovalues ascending; of equal ones the first comes first. Until the next call.
+    /// Places of items, isovalues ascending, or descending; of equal ones the first comes first. Until the next call.
     /// REQUIRES: less than 2^32 items; isovalues are no NaN.
     template <class Item>
-    std::span<const std::uint32_t> of(const std::vector<Item>& items) {
+    std::span<std::uint32_t> of(const std::vector<Item>& items, bool descends = false) {
         places_.resize(items.size());
         if (items.size() < kFew) {
             std::iota(places_.begin(), places_.end(), 0u);
-            std::stable_sort(places_.begin(), places_.end(),
-                             [&](std::uint32_t a, std::uint32_t b) { return items[a].isovalue < items[b].isovalue; });
+            std::stable_sort(places_.begin(), places_.end(), [&](std::uint32_t a, std::uint32_t b) {
+                return descends ? items[b].isovalue < items[a].isovalue : items[a].isovalue < items[b].isovalue;
+            });
             return places_;
         }
-        const auto keyAt = [&](std::size_t i) { return keyOf(static_cast<double>(items[i].isovalue)); };
+        const auto keyAt = [&](std::size_t i) -> std::uint64_t {
+            const std::uint64_t key = keyOf(static_cast<double>(items[i].isovalue));
+            return descends ? ~key : key;
+        };
         std::uint64_t least = keyAt(0), greatest = least;
         for (std::size_t i = 1; i < items.size(); ++i) {
             const std::uint64_t key = keyAt(i);

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
+#include <utility>
 
 namespace isoslider::topology {
 
@@ -32,29 +32,28 @@ void sumUp(std::vector<ComponentChange>& changes) {
 
 void sumUp(std::vector<EulerChange>& changes) {
     struct Sum {
-        std::int64_t euler = 0, largest = 0;
-        Cause cause; // of the largest, of equal ones the first
+        std::int64_t euler = 0;
+        Cause cause;
+        bool isThere = false;
     };
     std::size_t kept = 0;
     for (std::size_t first = 0, next = 0; first < changes.size(); first = next) {
         std::array<Sum, 2> sums{}; // of saddles, of grid points
         const double isovalue = changes[first].isovalue;
         for (; next < changes.size() && changes[next].isovalue == isovalue; ++next) {
-            const std::int64_t euler = changes[next].euler(), size = std::abs(euler);
             const Cause cause = changes[next].cause();
             Sum& sum = sums[cause.isVertex() ? 1 : 0];
-            if (size > sum.largest || (size == sum.largest && cause < sum.cause)) {
-                sum.largest = size;
+            if (!std::exchange(sum.isThere, true) || cause < sum.cause)
                 sum.cause = cause;
-            }
-            sum.euler += euler;
+            sum.euler += changes[next].euler();
         }
         // Parts of a large one are as many at most as came: none of these was larger than a part.
         for (Sum& sum : sums)
-            while (sum.euler != 0) {
+            while (sum.isThere) {
                 const std::int64_t part = std::clamp(sum.euler, -EulerChange::kMost, EulerChange::kMost);
                 changes[kept++] = {isovalue, sum.cause, part};
                 sum.euler -= part;
+                sum.isThere = sum.euler != 0;
             }
     }
     changes.resize(kept);

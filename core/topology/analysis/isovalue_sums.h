@@ -20,10 +20,11 @@ struct ChangeStore {
     std::size_t mostBytes = 0; ///< in memory, of one kind of changes
 };
 
-/// Changes of one isovalue become one or two: of grid points and of saddles; with the cause that most is due to.
-/// REQUIRES: in the order of isovalues, whichever.
+/// Changes of one isovalue become one or two: of grid points and of saddles; with the cause that lasts longest, the
+/// first of equal ones. Whatever parts they are summed up in, the sums are the same: so those that cancel out stay, as
+/// changes by nothing. REQUIRES: in the order of isovalues, whichever.
 void sumUp(std::vector<ComponentChange>& changes);
-void sumUp(std::vector<EulerChange>& changes); // more where they are large
+void sumUp(std::vector<EulerChange>& changes); // more where they are large; none lasts
 void sumUp(std::vector<ClosedChange>& changes);
 
 /// Changes that come part by part, summed up by isovalue time and again: they take as much memory as there are

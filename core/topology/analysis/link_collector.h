@@ -10,9 +10,10 @@
 
 namespace isoslider::topology {
 
-/// Gathers links. The boundary between two seeds' points is long in smooth data, and only its earliest link matters:
-/// of links between the same seeds that come one after the other, nearly all are dropped at once. What is left of noise
-/// is many times the links that matter: these are sorted out while they come, where the number of seeds is known.
+/// Gathers links. The boundary between two seeds' points is long in smooth data, and only its earliest link matters, of
+/// equal isovalues the one met first: of links between the same seeds that come one after the other, nearly all
+/// are dropped at once. What is left of noise is many times the links that matter: these are sorted out while they
+/// come, where the number of seeds is known.
 class LinkCollector {
 public:
     explicit LinkCollector(Side side) : side_(side), recent_(kRecent) {}
@@ -24,7 +25,8 @@ public:
             std::swap(a, b);
         Link& recent = recent_[(a * 0x9e3779b1u ^ b * 0x85ebca6bu) >> (32 - kRecentBits)];
         if (recent.a == a && recent.b == b) {
-            if (comesEarlier(side_, isovalue, recent.isovalue))
+            if (comesEarlier(side_, isovalue, recent.isovalue) ||
+                (isovalue == recent.isovalue && isMetFirst(side_, cause, recent.cause)))
                 recent = {isovalue, cause, a, b};
             return;
         }

@@ -65,14 +65,8 @@ std::uint32_t rankOf(std::int64_t x, std::int64_t y, std::int64_t z) {
 void MeasureSums::add(const MeasureSums& other) {
     sums.resize(other.sums.size());
     cellsAbove.resize(other.cellsAbove.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        sums[i].area += other.sums[i].area;
-        sums[i].volume += other.sums[i].volume;
-        sums[i].triangles += other.sums[i].triangles;
-        sums[i].gradient += other.sums[i].gradient;
-        sums[i].usualArea += other.sums[i].usualArea;
-        sums[i].usualGradient += other.sums[i].usualGradient;
-    }
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        sums[i].add(other.sums[i]);
     for (std::size_t i = 0; i < cellsAbove.size(); ++i)
         cellsAbove[i] += other.cellsAbove[i];
 }
@@ -83,24 +77,28 @@ MeasureCurves MeasureSums::curves(const MeasurePlan& plan, const GridGeometry& g
         return curves;
     const double cell =
         std::abs(glm::determinant(geometry.direction) * geometry.spacing.x * geometry.spacing.y * geometry.spacing.z);
+    const CellBatches batches(plan, geometry);
     curves.isovalues = plan.isovalues;
-    curves.measures.resize(sums.size());
+    curves.measures.resize(plan.isovalues.size());
     double whole = 0.0; // cells above the isovalue
-    for (std::size_t i = sums.size(); i-- > 0;) {
+    for (std::size_t i = plan.isovalues.size(); i-- > 0;) {
         whole += static_cast<double>(cellsAbove[i + 1]);
         const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+        const BatchSum others = batches.measured(2 * i, sums[2 * i]),
+                       usual = batches.measured(2 * i + 1, sums[2 * i + 1]);
+        const double weight = CellBatches::weight(plan.shares[i]), area = others.area + usual.area;
         // One sample that is orders of magnitude away has cells so steep that no mean would tell of any other.
-        const bool isUsual = sums[i].usualArea > 0.0;
-        const double area = isUsual ? sums[i].usualArea : sums[i].area;
-        const double gradient = isUsual ? sums[i].usualGradient : sums[i].gradient;
-        curves.measures[i] = {finite(sums[i].area), finite(cell * (whole + sums[i].volume)), sums[i].triangles,
-                              area > 0.0 ? finite(gradient / area) : 0.0};
+        const double gradient = usual.area > 0.0 ? usual.gradient / usual.area
+                                : area > 0.0     ? (others.gradient + usual.gradient) / area
+                                                 : 0.0;
+        curves.measures[i] = {finite(weight * area), finite(cell * (whole + weight * (others.volume + usual.volume))),
+                              weight * (others.triangles + usual.triangles), finite(gradient)};
     }
-    // Nothing is left of the surface at the least and greatest sample.
+    // Nothing is there of the surface at the least sample, nor beyond the greatest.
     whole += static_cast<double>(cellsAbove[0]);
     curves.isovalues.insert(curves.isovalues.begin(), plan.least);
     curves.measures.insert(curves.measures.begin(), {0.0, cell * whole, 0.0, 0.0});
-    curves.isovalues.push_back(plan.greatest);
+    curves.isovalues.push_back(curves.isovalues.back() < plan.greatest ? plan.greatest : nextAbove(plan.greatest));
     curves.measures.push_back({});
     return curves;
 }
@@ -153,14 +151,7 @@ MeasureSums measureStrip(const LayerWindow<Sample>& window, const Strip& strip, 
             }
             batches.add(cells);
         }
-    const std::vector<BatchSum>& sums = batches.finish();
-    for (std::size_t i = 0; i < plan.isovalues.size(); ++i) {
-        const double weight = CellBatches::weight(plan.shares[i]);
-        const BatchSum &rest = sums[2 * i], &usual = sums[2 * i + 1];
-        found.sums.push_back({weight * (usual.area + rest.area), weight * (usual.volume + rest.volume),
-                              weight * (usual.triangles + rest.triangles), weight * (usual.gradient + rest.gradient),
-                              weight * usual.area, weight * usual.gradient});
-    }
+    found.sums = batches.finish();
     return found;
 }
 

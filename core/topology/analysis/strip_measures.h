@@ -4,18 +4,15 @@
 #include <vector>
 
 #include "core/grid/grid_geometry.h"
+#include "core/topology/analysis/cell_batches.h"
 #include "core/topology/analysis/layer_window.h"
 #include "core/topology/measuring.h"
 
 namespace isoslider::topology {
 
-/// Sums over the cells of a strip, one for each isovalue of the plan.
+/// Sums over the cells of a strip.
 struct MeasureSums {
-    struct Sum {
-        double area = 0.0, volume = 0.0, triangles = 0.0, gradient = 0.0; ///< the last times the area
-        double usualArea = 0.0, usualGradient = 0.0; ///< in cells of usual values
-    };
-    std::vector<Sum> sums;
+    std::vector<ExactSum> sums; ///< as those of CellBatches: two for each isovalue of the plan
     std::vector<std::uint64_t> cellsAbove; ///< [i]: wholly above the first i isovalues, not above the next
 
     void add(const MeasureSums& other);

@@ -41,6 +41,11 @@ void expectSameEvents(const TopologyCurve& a, const TopologyCurve& b) {
         ASSERT_EQ(one.persistence, other.persistence);
     }
 }
+void expectSamePlaces(const TopologyCurve& a, const TopologyCurve& b) {
+    const std::vector<TopologyEvent> all = a.events(), others = b.events();
+    for (std::size_t i = 0; i < all.size(); ++i)
+        ASSERT_EQ(all[i].position, others[i].position) << all[i].isovalue;
+}
 
 void expectCounts(const test::TopologyGrid& grid, const TopologyCurve& curve, double isovalue) {
     const test::GridTopology expected = test::sweepGrid(grid.scalars, grid.dims, isovalue);
@@ -49,6 +54,27 @@ void expectCounts(const test::TopologyGrid& grid, const TopologyCurve& curve, do
     ASSERT_EQ(found.components, expected.components) << grid.description << " at " << isovalue;
     ASSERT_EQ(found.loops, expected.loops) << grid.description << " at " << isovalue;
     ASSERT_EQ((2 * found.components - found.loops - found.euler) % 2, 0);
+}
+
+// Equal samples and saddles by the hundred: which of them an event is shown at does not depend on the parts either.
+TEST(TopologyOfTies, IsTheSameInAnyParts) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        std::mt19937 random(static_cast<unsigned>(seed));
+        std::vector<double> samples(17 * 15 * 19);
+        for (double& sample : samples)
+            sample = static_cast<double>(random() % (seed < 4 ? 4 : 40));
+        const test::TopologyGrid grid = test::makeTopologyGrid(samples, {17, 15, 19}, "ties");
+        const TopologyCurve whole = curveOf(grid);
+        for (const std::int64_t planes : {2, 3, 8})
+            for (const std::int64_t rows : {1, 4, 100}) {
+                AnalysisOptions parts;
+                parts.planesAtOnce = planes;
+                parts.rowsAtOnce = rows;
+                const TopologyCurve curve = curveOf(grid, parts);
+                expectSameEvents(curve, whole);
+                expectSamePlaces(curve, whole);
+            }
+    }
 }
 
 class EveryKindOfGrid : public testing::TestWithParam<int> {};
@@ -65,6 +91,7 @@ TEST_P(EveryKindOfGrid, HasTheCountsOfTheOracleAtAndBetweenAllEvents) {
         thin.boundaryPointsAtOnce = 5;
         const TopologyCurve curve = curveOf(grid, thin);
         expectSameEvents(curve, curveOf(grid));
+        expectSamePlaces(curve, curveOf(grid));
         std::vector<double> isovalues;
         double last = -std::numeric_limits<double>::infinity();
         for (const TopologyEvent& event : curve.events()) {
