@@ -1,6 +1,7 @@
 #include "core/mesh/mesh_export.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <limits>
@@ -8,7 +9,10 @@
 #include <new>
 #include <ostream>
 #include <streambuf>
+#include <string>
 #include <vector>
+
+#include <tbb/parallel_sort.h>
 
 #include "core/base/file_system.h"
 #include "core/base/guarded.h"
@@ -75,6 +79,28 @@ Precision neededPrecision(const TriangleSoup& soup, const GridGeometry& geometry
     return coarseness > cell * kLeastDistance / 2 ? Precision::Double : Precision::Float;
 }
 
+// Readers of STL, which has no numbers of vertices, join corners at one place.
+template <class Number>
+std::size_t differentPlaces(const TriangleSoup& soup) {
+    std::vector<std::array<Number, 3>> places;
+    places.reserve(soup.positions.size());
+    for (const glm::dvec3& p : soup.positions)
+        places.push_back({static_cast<Number>(p.x), static_cast<Number>(p.y), static_cast<Number>(p.z)});
+    tbb::parallel_sort(places.begin(), places.end());
+    return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
+}
+
+Status checkFloatsKeepApart(const TriangleSoup& soup, const std::filesystem::path& path) {
+    const std::size_t lost = differentPlaces<double>(soup) - differentPlaces<float>(soup);
+    if (lost == 0)
+        return {};
+    return makeError(ErrorCode::InvalidArgument,
+                     std::to_string(lost) +
+                         " vertices would fall together in an STL file, which has 32-bit places only: so " +
+                         "far from the origin these are too coarse; export to .ply .obj .off or .om",
+                     path);
+}
+
 template <class Mesh>
 Status writeOm(const TriangleSoup& soup, AtomicFile& file, const JobControl& job) {
     Mesh mesh;
@@ -110,6 +136,8 @@ Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const
         return writeObj(soup, precision, commentsOf(certificate), file, job);
     if (suffix == ".off")
         return writeOff(soup, precision, commentsOf(certificate), file, job);
+    if (suffix == ".stl" && precision == Precision::Double)
+        ISO_TRY(checkFloatsKeepApart(soup, file.path()));
     if (suffix == ".stl")
         return writeStl(soup, shortForm(certificate, kStlHeaderBytes), file, job);
     return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file, job) : writeOm<FloatMesh>(soup, file, job);

@@ -19,12 +19,13 @@ Status checkExportSize(std::uint64_t vertices, std::uint64_t triangles, const st
 /// Writes a surface in world space (spacing, origin, direction applied; triangles counter-clockwise
 /// seen from below the isovalue, also for left-handed grids), with normals where the format has
 /// them. Vertices that no triangle uses are left out. Positions are float where that keeps vertices
-/// apart, else double; STL has floats only: thousands of cells from the origin its corners may fall
-/// together. The mesh's certificate goes along: as comments at the head of PLY and OBJ and at the end
+/// apart, else double; STL has floats only, and is refused where these would not, thousands of cells from
+/// the origin. The mesh's certificate goes along: as comments at the head of PLY and OBJ and at the end
 /// of OFF, in short as the header of STL; OM has no room for one. A mesh that is not valid is written
 /// all the same, and its certificate reports it. Published by rename: on failure there is no partial file
 /// and an earlier one is untouched.
-/// Errors: InvalidArgument (unknown suffix, too large), IoError, OutOfSpace, Cancelled (within a second).
+/// Errors: InvalidArgument (unknown suffix, too large, too far for STL), IoError, OutOfSpace, Cancelled (within a
+/// second).
 Status exportMesh(const extract::SurfaceMesh& mesh, const Certificate& certificate, const std::filesystem::path& path,
                   const JobControl& job = {});
 

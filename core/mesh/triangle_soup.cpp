@@ -11,6 +11,8 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
+#include "core/grid/gradient.h"
+#include "core/grid/world_normals.h"
 #include "core/mesh/loop_control.h"
 
 namespace isoslider::mesh {
@@ -37,15 +39,18 @@ TriangleSoup worldSoup(const extract::SurfaceMesh& mesh) {
     const bool hasNormals = mesh.normals.size() == mesh.positions.size();
     soup.positions.resize(mesh.positions.size());
     soup.normals.resize(hasNormals ? mesh.positions.size() : 0);
-    const glm::dmat3 normalMap = geometry.normalToWorld();
+    const glm::dmat3 normalMap = normalToWorld(geometry);
+    const bool isOblique = !hasOrthogonalAxes(geometry);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
             glm::dvec3 position(mesh.positions[i]);
             if (i < mesh.edgeIds.size())
                 position = heldOffGridPoints(position, mesh.edgeIds[i], geometry.dims);
             soup.positions[i] = geometry.origin + geometry.direction * (geometry.spacing * position);
-            if (hasNormals)
-                soup.normals[i] = glm::vec3(normalMap * glm::dvec3(mesh.normals[i]));
+            if (hasNormals) {
+                const glm::vec3 normal(normalMap * glm::dvec3(mesh.normals[i]));
+                soup.normals[i] = isOblique ? normalizedOrZero(normal) : normal;
+            }
         }
     });
     const bool flips = geometry.isLeftHanded();

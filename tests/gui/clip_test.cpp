@@ -153,6 +153,19 @@ TEST_F(ClipTest, HandlesStandOutBelowThePointer) {
     EXPECT_EQ(viewport().cursor().shape(), Qt::CrossCursor) << "as it was before";
 }
 
+TEST_F(ClipTest, TheTextAtAHandleFollowsAPlaneThatIsMovedFromElsewhere) {
+    press(Qt::Key_V);
+    const QPointF at = pointOf(ClipHandle{Kind::Plane});
+    QMouseEvent move(QEvent::MouseMove, at, viewport().mapToGlobal(at), Qt::NoButton, Qt::NoButton, Qt::NoModifier);
+    QApplication::sendEvent(&viewport().view(), &move);
+    EXPECT_TRUE(handles().text().startsWith(QStringLiteral("0"))) << handles().text().toStdString();
+    auto& view = window_->viewportHost().viewState();
+    auto options = view.options();
+    options.clipping.plane().offset = 3.0;
+    view.setOptions(options);
+    EXPECT_TRUE(handles().text().startsWith(QStringLiteral("3"))) << handles().text().toStdString();
+}
+
 TEST_F(ClipTest, WhatIsCroppedAwayIsNeitherPickedNorMeasured) {
     const QPoint onBall = seenAt(glm::dvec3(kMiddle + 5.0, kMiddle, kMiddle));
     const auto selected = [this] { return window_->viewportHost().viewState().options().pieces.selected.has_value(); };

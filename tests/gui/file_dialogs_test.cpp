@@ -36,7 +36,7 @@ TEST_F(FileDialogsTest, OpeningBeginsWhereItWasLast) {
     auto asked = askedBy("file.open", folder_ / "volumes/none.mha");
     EXPECT_EQ(asked.title, QStringLiteral("Open Volume"));
     EXPECT_EQ(asked.place, QString());
-    EXPECT_EQ(asked.filters, widgets::volumeFilters());
+    EXPECT_EQ(asked.filters, widgets::volumeAndSessionFilters());
     asked = askedBy("file.openFolder", folder_ / "volumes/none");
     EXPECT_EQ(asked.place, qpath(folder_ / "volumes"));
     asked = askedBy("file.open", folder_ / "none.mha");

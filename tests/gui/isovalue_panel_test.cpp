@@ -119,6 +119,17 @@ TEST_F(IsovaluePanelTest, WhatIsNoNumberIsPutBack) {
     }
 }
 
+TEST_F(IsovaluePanelTest, LettersThatNoNumberHasGoToTheWindow) {
+    const bool hadBox = window_->actions().action("view.box")->isChecked();
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("-7"));
+    QTest::keyClick(&edit(), Qt::Key_B);
+    QTest::keyClicks(&edit(), QStringLiteral("e0"));
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), -7.0);
+    EXPECT_NE(window_->actions().action("view.box")->isChecked(), hadBox);
+}
+
 TEST_F(IsovaluePanelTest, ANumberOutOfRangeIsClampedAndShownSo) {
     trigger("isovalue.edit");
     QTest::keyClicks(&edit(), QStringLiteral("1e9"));

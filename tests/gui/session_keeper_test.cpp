@@ -95,6 +95,18 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     EXPECT_FALSE(window_->messageBar().isVisible()) << message();
 }
 
+TEST_F(SessionKeeperTest, OneIsOpenedFromTheDialogOfVolumesToo) {
+    openBall();
+    session_->isovalue().request(-7.5);
+    ASSERT_TRUE(waitUntilSettled());
+    const auto path = saveSession();
+    trigger("file.close");
+    dialogs_.answers.push_back(qpath(path));
+    trigger("file.open");
+    ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr && session_->isSettled(); }));
+    EXPECT_EQ(session_->isovalue().requested(), -7.5);
+}
+
 TEST_F(SessionKeeperTest, ShowsCurvesSnappingAndRangeOfTheHistogramAgain) {
     openBall();
     auto* area = window_->findChild<QAction*>(QStringLiteral("curve.area"));

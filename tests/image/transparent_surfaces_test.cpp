@@ -11,6 +11,7 @@
 
 #include "core/extract/live/brick_picture.h"
 #include "core/extract/slide_engine.h"
+#include "core/grid/world_normals.h"
 #include "preprocess/metacells/brick_list.h"
 #include "tests/support/result_matchers.h"
 #include "ui/render/gl_support.h"
@@ -72,7 +73,7 @@ public:
         expandPicture(arrays);
         const glm::dmat4 toView =
             view_.camera.viewMatrix() * render::indexToCentredWorld(frame.geometry, frame.geometry);
-        const glm::dmat3 normalToView = glm::dmat3(view_.camera.viewMatrix()) * frame.geometry.normalToWorld();
+        const glm::dmat3 normalToView = glm::dmat3(view_.camera.viewMatrix()) * normalToWorld(frame.geometry);
         for (const glm::vec3& position : arrays.positions)
             surface.positions.emplace_back(toView * glm::dvec4(position, 1.0));
         for (const glm::vec3& normal : arrays.normals)

@@ -11,6 +11,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/grid/world_normals.h"
 #include "ui/render/ambient_occlusion.h"
 #include "ui/render/array_buffers.h"
 #include "ui/render/brick_buffers.h"
@@ -255,7 +256,7 @@ SceneRenderer::Matrices SceneRenderer::matricesOf(const GridGeometry& grid, cons
     matrices.modelToView = toQt(modelToView);
     matrices.boxToView = toQt(view * indexToCentredWorld(volume_, volume_));
     matrices.viewToClip = toQt(projection);
-    matrices.normalToView = toQt(sceneView.camera.normalMatrix() * grid.normalToWorld());
+    matrices.normalToView = toQt(sceneView.camera.normalMatrix() * normalToWorld(grid));
     if (sceneView.spot) {
         matrices.spotInWorld = indexToCentredWorld(volume_, volume_) * glm::dvec4(sceneView.spot->place, 1.0);
         matrices.spotInClip = projection * view * matrices.spotInWorld;

@@ -12,7 +12,9 @@ std::string clampedText(double asked, double min, double max) {
     return {};
 }
 
-std::string emptySurfaceText(double isovalue, double min, double max) {
+std::string emptySurfaceText(double isovalue, double min, double max, bool hasCells) {
+    if (!hasCells)
+        return "The volume is one sample thick, so it has no surface at any isovalue; the Slices menu shows its samples";
     const std::string at = "No surface at " + exactText(isovalue) + ": ";
     if (min == max)
         return at + "every sample has this value";

@@ -261,6 +261,8 @@ void Session::useIndex(OpenedIndex opened) {
 std::vector<SuggestedIsovalue> Session::suggestions() const {
     if (!dataset_)
         return {};
+    if (!(dataset_->min < dataset_->max)) // no isovalue has a surface
+        return {};
     return suggestedIsovalues(topology_.suggestions(), model::firstIsovalue(*dataset_->values),
                               dataset_->suggestedRange());
 }

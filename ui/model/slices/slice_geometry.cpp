@@ -186,7 +186,8 @@ SliceLabels sliceLabels(SliceKind kind, const SliceOptions& options, const GridG
 }
 
 ValueWindow automaticWindow(const ValueDistribution& values) {
-    const double outside = kOutsideWindow * static_cast<double>(values.counted());
+    const auto all = static_cast<double>(values.counted()); // a sum over all cells
+    const double outside = kOutsideWindow * all;
     ValueWindow window{values.min, values.max};
     double counted = 0.0;
     for (const ValueCell& cell : values.cells) {
@@ -194,7 +195,7 @@ ValueWindow automaticWindow(const ValueDistribution& values) {
         counted += static_cast<double>(cell.count);
         if (before <= outside && counted > outside)
             window.low = cell.lower;
-        if (static_cast<double>(values.counted()) - before > outside)
+        if (all - before > outside)
             window.high = cell.upper;
     }
     // One value may be nearly all there is.

@@ -83,10 +83,18 @@ void IsovalueEdit::refuse(const QString& reason) {
                        this);
 }
 
-// Escape puts the value back, whatever it does elsewhere in the window.
+// Escape puts the value back, whatever it does elsewhere in the window. Letters that no number has do there what they
+// do when the field has not the keyboard.
 bool IsovalueEdit::event(QEvent* event) {
-    if (event->type() == QEvent::ShortcutOverride && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
-        event->accept();
+    if (event->type() == QEvent::ShortcutOverride) {
+        const int key = static_cast<QKeyEvent*>(event)->key();
+        if (key == Qt::Key_Escape)
+            event->accept();
+        if (key >= Qt::Key_A && key <= Qt::Key_Z && key != Qt::Key_E) {
+            event->ignore();
+            return true;
+        }
+    }
     return QLineEdit::event(event);
 }
 

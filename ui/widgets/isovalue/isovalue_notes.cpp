@@ -35,10 +35,13 @@ void IsovalueNotes::show() {
             note = model::clampedText(*typed_, min, max);
         const auto frame = session_.frame();
         const bool isEmpty = frame && frame->stats.triangles == 0 && !isovalue.isLagging() && !session_.isMoving();
-        if (isEmpty)
-            note +=
-                (note.empty() ? "" : ". ") + (frame->region ? tr("No surface about the crop box").toStdString()
-                                                            : model::emptySurfaceText(isovalue.requested(), min, max));
+        if (isEmpty) {
+            const GridDims& dims = frame->geometry.dims;
+            note += (note.empty() ? "" : ". ") +
+                    (frame->region ? tr("No surface about the crop box").toStdString()
+                                   : model::emptySurfaceText(isovalue.requested(), min, max,
+                                                             std::min({dims[0], dims[1], dims[2]}) > 1));
+        }
         const auto wanted = session_.histogramOptions().options().valueScale;
         if (note.empty() && wanted == model::ScaleKind::Log && plot_.scale().kind() == model::ScaleKind::Symlog)
             note = tr("There are values at or below 0: the axis is logarithmic on both sides of 0").toStdString();

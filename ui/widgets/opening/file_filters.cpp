@@ -25,18 +25,25 @@ constexpr std::array<Filter, 11> kVolumes{{{"MetaImage", "*.mha *.mhd"},
 constexpr std::array<Filter, 5> kMeshes{
     {{"Stanford PLY", "*.ply"}, {"Wavefront OBJ", "*.obj"}, {"STL", "*.stl"}, {"OFF", "*.off"}, {"OpenMesh", "*.om"}}};
 
-} // namespace
-
-QString volumeFilters() {
+QString filtersOf(const QString& title, const QStringList& further) {
     QStringList all, each;
     for (const auto& [name, patterns] : kVolumes) {
         all << QLatin1String(patterns);
         each << QStringLiteral("%1 (%2)").arg(QLatin1String(name), QLatin1String(patterns));
     }
-    each.prepend(
-        QCoreApplication::translate("FileFilters", "Volumes and indexes (%1)").arg(all.join(QLatin1Char(' '))));
+    all << further;
+    each.prepend(QStringLiteral("%1 (%2)").arg(title, all.join(QLatin1Char(' '))));
     each.append(QCoreApplication::translate("FileFilters", "All files (*)"));
     return each.join(QStringLiteral(";;"));
+}
+
+} // namespace
+
+QString volumeFilters() { return filtersOf(QCoreApplication::translate("FileFilters", "Volumes and indexes"), {}); }
+
+QString volumeAndSessionFilters() {
+    return filtersOf(QCoreApplication::translate("FileFilters", "Volumes, indexes and sessions"),
+                     {QStringLiteral("*.isosession")});
 }
 
 QString rawFilters() {

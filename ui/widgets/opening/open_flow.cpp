@@ -6,6 +6,7 @@
 #include <QFileInfo>
 
 #include "ui/model/opening/raw_guess.h"
+#include "ui/model/session/saved_session.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
 #include "ui/widgets/opening/raw_import_dialog.h"
@@ -46,8 +47,8 @@ OpenFlow::OpenFlow(Target target, const model::SessionServices& services, Settin
 OpenFlow::~OpenFlow() = default;
 
 void OpenFlow::askFile() {
-    dialogs_.askOpen(window_, target_.title, settings_.text(kFolderSetting), volumeFilters(),
-                     [this](const QString& path) {
+    dialogs_.askOpen(window_, target_.title, settings_.text(kFolderSetting),
+                     target_.openSession ? volumeAndSessionFilters() : volumeFilters(), [this](const QString& path) {
                          settings_.set(kFolderSetting, QFileInfo(path).path());
                          preview(path);
                      });
@@ -71,6 +72,8 @@ void OpenFlow::askRawFile() {
 
 void OpenFlow::preview(const QString& path) {
     const auto file = absolutePath(path);
+    if (target_.openSession && model::isSessionFile(file))
+        return target_.openSession(path);
     if (model::isIndexFile(file) || isHeaderlessFile(path) || !settings_.boolean(kPreviewSetting))
         return openPath(path);
     auto* dialog = showDialog(std::make_unique<model::OpenModel>(file, jobs_, volumes_), std::nullopt);

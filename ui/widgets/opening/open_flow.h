@@ -30,6 +30,7 @@ public:
         std::function<void(model::OpenRequest)> open;
         const model::Observable<const model::OpenRequest&, const io::VolumeContents&>& choiceNeeded;
         QString title; ///< of the dialog that asks for a file
+        std::function<void(const QString&)> openSession; ///< none: sessions are no files to open here
     };
     OpenFlow(Target target, const model::SessionServices& services, SettingsStore& settings, FileDialogs& dialogs,
              QWidget* window);

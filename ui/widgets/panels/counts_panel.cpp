@@ -54,12 +54,13 @@ std::vector<Fact> measureFacts(const model::Session& session, double isovalue) {
         const auto value = topology.valueAt(quantity, isovalue);
         if (!value)
             return;
-        const QString number = fromStd(model::measureText(*value, kMeasureFigures));
+        const QString number = QStringLiteral("≈ ") + fromStd(model::measureText(*value, kMeasureFigures));
         facts.push_back({name, power > 0 ? inLengthUnit(number, unit, power) : number, tip});
     };
-    add(TopologyQuantity::Area, CountsPanel::tr("Area"), 2, {});
+    add(TopologyQuantity::Area, CountsPanel::tr("Area"), 2,
+        CountsPanel::tr("Without merged cells, to some tenths of a percent; Check Mesh measures the mesh"));
     add(TopologyQuantity::Volume, CountsPanel::tr("Volume above"), 3,
-        CountsPanel::tr("Of the region where samples are above the isovalue"));
+        CountsPanel::tr("Of the region where samples are above the isovalue, to some tenths of a percent"));
     add(TopologyQuantity::Gradient, CountsPanel::tr("Mean gradient"), 0,
         CountsPanel::tr("Change of the value per length, on the surface: the larger, the sharper its border"));
     return facts;

@@ -36,6 +36,7 @@ public:
     void show(const model::Clipping& clipping, const std::optional<GridGeometry>& volume);
     /// The one that stands out, and what is stated beside it.
     void highlight(const std::optional<ClipHandle>& handle, const QString& text = {});
+    const QString& text() const { return text_; }
 
     const std::vector<ClipHandle>& handles() const { return handles_; }
     /// World units about the volume's centre. REQUIRES: a volume.

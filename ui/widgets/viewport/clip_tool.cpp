@@ -136,6 +136,8 @@ void ClipTool::showOptions() {
         actions_.action(entry.id)->setChecked(clipping.plane().cap == entry.cap);
     }
     handles_->show(clipping, hasVolume ? std::optional(dataset->geometry) : std::nullopt);
+    if (hovered_) // it may have been moved from elsewhere
+        handles_->highlight(hovered_, textOf(*hovered_));
     for (model::CapModel& cap : caps_)
         cap.refresh();
 }

@@ -12,6 +12,7 @@
 #include <QFileInfo>
 #include <QIcon>
 #include <QMimeData>
+#include <QScreen>
 #include <QVBoxLayout>
 
 #include "ui/model/jobs/latest_job.h"
@@ -56,6 +57,15 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostFilesNamed = 3;
+
+/// Of a window that has none from before: as large as is useful, but whole on its screen, below a title bar.
+QSize initialSize(const QWidget& window) {
+    constexpr QSize kUseful(1600, 1000);
+    constexpr int kTitleBar = 40;
+    const QSize available = window.screen()->availableSize() - QSize(0, kTitleBar);
+    return kUseful.boundedTo(available.expandedTo(QSize(1, 1)));
+}
+
 constexpr int kLayoutVersion = 4; // goes up when a panel comes or goes
 constexpr int kPanelWidth = 450;
 constexpr int kHistogramDockHeight = 290;
@@ -71,10 +81,13 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
       recentFiles_(std::make_unique<RecentFiles>(settings)),
       actions_(new ActionRegistry(this)),
       openFlow_(new OpenFlow({[&session](model::OpenRequest request) { session.open(std::move(request)); },
-                              session.choiceNeeded(), tr("Open Volume")},
+                              session.choiceNeeded(), tr("Open Volume"),
+                              [this](const QString& path) { keeper_->open(path); }},
                              session.services(), settings, dialogs, this)),
       secondFlow_(new OpenFlow({[&session](const model::OpenRequest& request) { session.secondVolume().open(request); },
-                                session.secondVolume().choiceNeeded(), tr("Open Second Volume")},
+                                session.secondVolume().choiceNeeded(),
+                                tr("Open Second Volume"),
+                                {}},
                                session.services(), settings, dialogs, this)),
       slices_(std::make_unique<model::SliceModel>(session)),
       jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
@@ -100,7 +113,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     subscriptions_.push_back(
         session_.noticePosted().observe([this](const model::Notice& notice) { messageBar_->showNotice(notice); }));
     CacheDialog::applyLimit(session_, settings_);
-    resize(1600, 1000);
+    resize(initialSize(*this));
     resetLayout();
     showRecentFiles();
     showDataset();
@@ -214,9 +227,12 @@ void MainWindow::openFile(const QString& path, std::optional<double> isovalue, c
 void MainWindow::askSaveImage() {
     if (host_->viewport() == nullptr)
         return;
-    const QImage image = host_->picture();
+    // A large surface may take seconds to be drawn whole: after the question.
     dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
-                     tr("PNG image (*.png)"), [this, image](const QString& path) { saveImage(image, path); });
+                     tr("PNG image (*.png)"), [this](const QString& path) {
+                         if (host_->viewport() != nullptr)
+                             saveImage(host_->picture(), path);
+                     });
 }
 
 void MainWindow::saveImage(const QImage& image, const QString& path) {

@@ -19,6 +19,40 @@ Status exportCertified(const extract::SurfaceMesh& mesh, const std::filesystem::
     return exportMesh(mesh, certify(mesh, {"test", {}}), path);
 }
 
+TEST(MeshExport, WritesUnitNormalsOfObliqueAxes) {
+    auto mesh = test::torus(160, 64);
+    mesh.geometry.spacing = {0.5, 0.25, 1.5};
+    mesh.geometry.direction = glm::dmat3(1.0, 0.0, 0.0, 0.5, std::sqrt(0.75), 0.0, 0.1, 0.2, std::sqrt(0.95));
+    // Normals of a torus that is stretched by the spacing, as samples would give them.
+    for (glm::vec3& normal : mesh.normals)
+        normal = glm::normalize(normal / glm::vec3(mesh.geometry.spacing));
+    const TriangleSoup soup = worldSoup(mesh);
+    for (const auto& [a, b, c] : soup.triangles) {
+        const glm::dvec3 of =
+            glm::normalize(glm::cross(soup.positions[b] - soup.positions[a], soup.positions[c] - soup.positions[a]));
+        for (const std::uint32_t corner : {a, b, c}) {
+            EXPECT_NEAR(glm::length(soup.normals[corner]), 1.0f, 1e-5f);
+            EXPECT_GT(glm::dot(of, glm::dvec3(soup.normals[corner])), 0.9);
+        }
+    }
+}
+
+TEST(MeshExport, RefusesToWriteAnStlWhoseCornersFallTogether) {
+    const TemporaryFolder folder;
+    auto mesh = test::torus(40, 16);
+    mesh.geometry.spacing = glm::dvec3(0.25);
+    mesh.geometry.origin = glm::dvec3(100.0);
+    EXPECT_TRUE(exportCertified(mesh, folder / "near.stl").isOk());
+    mesh.geometry.origin = glm::dvec3(2e4); // coarse, but apart
+    EXPECT_TRUE(exportCertified(mesh, folder / "farther.stl").isOk());
+    mesh.geometry.origin = glm::dvec3(5e6);
+    const Status status = exportCertified(mesh, folder / "far.stl");
+    ASSERT_FALSE(status.isOk());
+    EXPECT_EQ(status.error().code, ErrorCode::InvalidArgument);
+    EXPECT_FALSE(std::filesystem::exists(folder / "far.stl"));
+    EXPECT_TRUE(exportCertified(mesh, folder / "far.ply").isOk());
+}
+
 class EveryFormat : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryFormat, ComesBackTheSame) {

@@ -163,6 +163,7 @@ TEST(EmptySurfaceText, SaysWhatToDo) {
     EXPECT_EQ(emptySurfaceText(0.0, 0.0, 255.0), "No surface at 0: no sample is below; choose a higher isovalue");
     EXPECT_EQ(emptySurfaceText(3.0, 3.0, 3.0), "No surface at 3: every sample has this value");
     EXPECT_NE(emptySurfaceText(7.0, 0.0, 255.0).find("crosses no cell"), std::string::npos);
+    EXPECT_NE(emptySurfaceText(7.0, 0.0, 255.0, false).find("one sample thick"), std::string::npos);
 }
 
 } // namespace
