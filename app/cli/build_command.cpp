@@ -149,7 +149,7 @@ public:
             bar.wipe();
             return source.error();
         }
-        ISO_CLI_TRY(checkNotRead(indexPath_, source.value()->info().dataFiles));
+        ISO_CLI_TRY(checkNotRead(indexPath_, volumePath_, source.value()->info()));
         const bool isUnfinished = preprocess::hasCheckpoint(indexPath_);
         if (!isUnfinished || !resumes_) // which empties what is unfinished
             ISO_CLI_TRY(tryOutput(indexPath_));

@@ -84,19 +84,16 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     return extracted;
 }
 
-Result<Extracted> surfaceFromVolume(const std::string& path, const io::ReadOptions& options, double isovalue,
+Result<Extracted> surfaceFromVolume(io::VolumeSource& source, const std::string& path, double isovalue,
                                     const LodError& lodError, int maxLevel, const JobControl& job) {
-    const auto source = io::openVolume(path, options, job);
-    if (!source.isOk())
-        return source.error();
     const JobControl reading = job.part(0.0, 0.5), extracting = job.part(0.5, 1.0);
-    const auto grid = io::readVolume(*source.value(), path, reading);
+    const auto grid = io::readVolume(source, path, reading);
     if (!grid.isOk())
         return grid.error();
     const std::uint64_t missing = missingSamples(*grid.value(), job);
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
-    const io::VolumeInfo& info = source.value()->info();
+    const io::VolumeInfo& info = source.info();
     Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
     if (lodError.merges()) {
@@ -203,8 +200,10 @@ public:
     Outcome run(Session& session) override {
         ISO_CLI_TRY(checkFormat());
         ISO_CLI_TRY(standardOutput_.prepare(session, meshPath_, "." + format_));
-        if (!meshPath_.empty() && path_ == "-") // before all of standard input is read
+        if (!meshPath_.empty() && path_ == "-") { // before all of standard input is read
             ISO_CLI_TRY(checkMeshOutput(meshPath_, ""));
+            ISO_CLI_TRY(tryOutput(meshPath_));
+        }
         ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
@@ -216,12 +215,19 @@ public:
         ProgressBar bar(session.showsProgress, session.stop);
         const JobControl job = bar.job();
         const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
-        const auto extracted =
-            kind.value() == InputKind::Index
-                ? surfaceFromIndex(path_, *isovalue_, lodError_, extracting)
-                : surfaceFromVolume(path_, volume_.readOptions(), *isovalue_, lodError_,
-                                    static_cast<int>(lodLevels_ > 0 ? lodLevels_ : extract::kMaxMergeLevel),
-                                    extracting);
+        std::unique_ptr<io::VolumeSource> source; // of a volume
+        if (kind.value() == InputKind::Volume) {
+            auto opened = io::openVolume(path_, volume_.readOptions(), extracting);
+            if (!opened.isOk())
+                return std::move(opened).error();
+            source = std::move(opened).value();
+            if (!meshPath_.empty())
+                ISO_CLI_TRY(checkNotRead(meshPath_, path_, source->info()));
+        }
+        if (!meshPath_.empty())
+            ISO_CLI_TRY(tryOutput(meshPath_));
+        const auto extracted = source ? surfaceFromVolume(*source, path_, *isovalue_, lodError_, maxLevel(), extracting)
+                                      : surfaceFromIndex(path_, *isovalue_, lodError_, extracting);
         if (!extracted.isOk())
             return extracted.error();
         const auto certificate = certifyAndExport(extracted.value(), finishing);
@@ -238,6 +244,8 @@ public:
     }
 
 private:
+    int maxLevel() const { return static_cast<int>(lodLevels_ > 0 ? lodLevels_ : extract::kMaxMergeLevel); }
+
     void addFormat(CLI::App& command) {
         command
             .add_option_function<std::string>(

@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "core/base/file_system.h"
@@ -18,14 +19,33 @@ Outcome isTheInput(const fs::path& output) {
         makeError(ErrorCode::InvalidArgument, "is the input; choose another output", output.string()).line());
 }
 
+// What is written before it takes the output's name replaces a file just as well.
+Outcome checkPartial(const fs::path& output, const fs::path& file) {
+    const auto target = linkTarget(output);
+    if (!target.isOk() || !isSameFile(partialPath(target.value()), file))
+        return {};
+    return Outcome::wrongUsage(makeError(ErrorCode::InvalidArgument,
+                                         fmt::format("is written as '{}' first, which is the input; choose another "
+                                                     "output",
+                                                     partialPath(target.value()).string()),
+                                         output.string())
+                                   .line());
+}
+
+bool isBelow(const fs::path& file, const fs::path& folder) {
+    for (fs::path above = file.parent_path(); above.has_relative_path(); above = above.parent_path())
+        if (isSameFile(above, folder))
+            return true;
+    return false;
+}
+
 } // namespace
 
 Outcome checkOutput(const fs::path& output, const fs::path& input) {
     const Error here = makeError(ErrorCode::IoError, "", output.string());
     if (output.empty())
         return Outcome::wrongUsage("the output has no name");
-    if (isSameFile(output, input))
-        return isTheInput(output);
+    ISO_CLI_TRY(checkNotRead(output, {input}));
     if (isFolder(output))
         return makeError(ErrorCode::IoError, "is a directory; give a file name", output.string());
     const auto target = linkTarget(output);
@@ -47,11 +67,22 @@ Outcome tryOutput(const fs::path& output) {
     return file.isOk() ? Outcome() : Outcome(file.error());
 }
 
-Outcome checkNotRead(const fs::path& output, const std::vector<fs::path>& dataFiles) {
-    for (const fs::path& file : dataFiles)
+Outcome checkNotRead(const fs::path& output, const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) {
         if (isSameFile(output, file))
             return isTheInput(output);
+        ISO_CLI_TRY(checkPartial(output, file));
+    }
     return {};
+}
+
+Outcome checkNotRead(const fs::path& output, const fs::path& volume, const io::VolumeInfo& info) {
+    ISO_CLI_TRY(checkNotRead(output, {volume}));
+    if (isFolder(volume) && info.dataFiles.empty()) { // too many to be listed: each file in the folder may be one
+        const auto file = canonicalPath(output);
+        return file.isOk() && isPresent(output) && isBelow(file.value(), volume) ? isTheInput(output) : Outcome();
+    }
+    return checkNotRead(output, info.dataFiles);
 }
 
 Outcome checkMeshOutput(const fs::path& output, const fs::path& input) {
@@ -59,8 +90,7 @@ Outcome checkMeshOutput(const fs::path& output, const fs::path& input) {
         const auto message = "its suffix names no mesh format; known: .ply .obj .stl .off .om";
         return Outcome::wrongUsage(makeError(ErrorCode::InvalidArgument, message, output.string()).line());
     }
-    ISO_CLI_TRY(checkOutput(output, input));
-    return tryOutput(output);
+    return checkOutput(output, input);
 }
 
 } // namespace isoslider::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/cli/outcome.h"
+#include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::cli {
 
@@ -18,10 +19,15 @@ Outcome checkOutput(const std::filesystem::path& output, const std::filesystem::
 /// (refused).
 Outcome tryOutput(const std::filesystem::path& output);
 
-/// Refuses an output that is one of the files that an input's samples lie in (wrong usage).
-Outcome checkNotRead(const std::filesystem::path& output, const std::vector<std::filesystem::path>& dataFiles);
+/// Refuses an output that would replace one of `files`, which are read (wrong usage): itself, or the file beside it
+/// that is written first.
+Outcome checkNotRead(const std::filesystem::path& output, const std::vector<std::filesystem::path>& files);
 
-/// checkOutput and tryOutput for a mesh, whose suffix states its format.
+/// The same of all files of an open volume. REQUIRES: before tryOutput.
+Outcome checkNotRead(const std::filesystem::path& output, const std::filesystem::path& volume,
+                     const io::VolumeInfo& info);
+
+/// checkOutput for a mesh, whose suffix states its format.
 Outcome checkMeshOutput(const std::filesystem::path& output, const std::filesystem::path& input);
 
 } // namespace isoslider::cli

@@ -87,6 +87,8 @@ public:
             if (kind.value() == InputKind::Index)
                 return makeError(ErrorCode::InvalidArgument, "is an index; a report is of volumes", path);
         }
+        if (!output_.empty())
+            ISO_CLI_TRY(tryOutputs(session.stop));
         std::vector<VolumeMeasures> volumes;
         const Outcome measured = measureAll(session, volumes);
         if (measured.isSuccess())
@@ -101,14 +103,38 @@ private:
     Outcome checkPage() const {
         if (!output_.ends_with(".md"))
             return Outcome::wrongUsage(fmt::format("--output: '{}': a report is written as .md", output_));
-        for (const std::string& path : paths_)
-            ISO_CLI_TRY(checkOutput(output_, path));
-        ISO_CLI_TRY(tryOutput(output_));
+        for (const std::filesystem::path& output : outputs())
+            for (const std::string& path : paths_)
+                ISO_CLI_TRY(checkOutput(output, path));
+        return {};
+    }
+
+    // The page and its plots; none where it goes to standard output.
+    std::vector<std::filesystem::path> outputs() const {
         const std::filesystem::path page = output_;
-        for (const std::string& name : plotNames(page.stem().string())) {
-            ISO_CLI_TRY(checkOutput(page.parent_path() / name, ""));
-            ISO_CLI_TRY(tryOutput(page.parent_path() / name));
+        if (page.empty())
+            return {};
+        std::vector<std::filesystem::path> all{page};
+        for (const std::string& name : plotNames(page.stem().string()))
+            all.push_back(page.parent_path() / name);
+        return all;
+    }
+
+    // Of all volumes before the first is measured. One that cannot be opened is reported once the others are measured,
+    // unless the outputs replace files: those may be what it is read from.
+    Outcome tryOutputs(const std::stop_token& stop) const {
+        const std::vector<std::filesystem::path> all = outputs();
+        const bool replaces = std::any_of(all.begin(), all.end(), isPresent);
+        for (const std::string& path : paths_) {
+            const auto source = io::openVolume(path, volume_.readOptions(), {stop, {}});
+            if (!source.isOk() && replaces)
+                return source.error();
+            for (const std::filesystem::path& output : all)
+                if (source.isOk())
+                    ISO_CLI_TRY(checkNotRead(output, path, source.value()->info()));
         }
+        for (const std::filesystem::path& output : all)
+            ISO_CLI_TRY(tryOutput(output));
         return {};
     }
 

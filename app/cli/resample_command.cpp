@@ -71,9 +71,14 @@ public:
         if (!output_.ends_with(".mha"))
             return Outcome::wrongUsage(fmt::format("--output: '{}': volumes are written as .mha", output_));
         ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
-        ISO_CLI_TRY(tryOutput(output_));
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto info = resample(bar.job());
+        const JobControl job = bar.job();
+        const auto source = io::openVolume(path_, volume_.readOptions(), job);
+        if (!source.isOk())
+            return source.error();
+        ISO_CLI_TRY(checkNotRead(output_, path_, source.value()->info()));
+        ISO_CLI_TRY(tryOutput(output_));
+        const auto info = resample(*source.value(), job);
         bar.wipe();
         if (!info.isOk())
             return info.error();
@@ -87,18 +92,15 @@ public:
     }
 
 private:
-    Result<io::VolumeInfo> resample(const JobControl& job) {
-        const auto source = io::openVolume(path_, volume_.readOptions(), job);
-        if (!source.isOk())
-            return source.error();
+    Result<io::VolumeInfo> resample(io::VolumeSource& source, const JobControl& job) const {
         const JobControl making = job.part(0.0, 0.9), writing = job.part(0.9, 1.0);
-        const auto grid = io::readVolume(*source.value(), path_, making);
+        const auto grid = io::readVolume(source, path_, making);
         if (!grid.isOk())
             return grid.error();
-        if (!source.value()->info().resampling)
+        if (!source.info().resampling)
             return makeError(ErrorCode::InvalidArgument, "is a uniform grid: there is nothing to resample", path_);
-        ISO_TRY(io::writeVolume(*grid.value(), output_, source.value()->info().lengthUnit, writing));
-        return source.value()->info();
+        ISO_TRY(io::writeVolume(*grid.value(), output_, source.info().lengthUnit, writing));
+        return source.info();
     }
 
     std::string path_;

@@ -129,7 +129,7 @@ private:
         ISO_CLI_TRY(checkMeshOutput(pattern_->nameOf(0), indexPath_));
         for (std::size_t step = 1; step < stepCount(); ++step)
             ISO_CLI_TRY(checkNotRead(pattern_->nameOf(step), {indexPath_}));
-        return {};
+        return tryOutput(pattern_->nameOf(0));
     }
 
     double isovalueOf(std::size_t step) const {

@@ -1,8 +1,94 @@
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/test_paths.h"
 
 namespace isoslider::test {
 
-class CliOutput : public CliTest {};
+class CliOutput : public CliTest {
+protected:
+    /// Expects that no command replaces `data`, which `volume` is read from, under any of its names.
+    void expectKept(const std::string& volume, const std::string& data) const {
+        const std::string before = readText(data);
+        const auto linkTo = [&](const std::string& name, bool isHard) {
+            std::filesystem::remove(path(name));
+            if (isHard)
+                std::filesystem::create_hard_link(data, path(name));
+            else
+                std::filesystem::create_symlink(data, path(name));
+            return path(name);
+        };
+        constexpr std::string_view kSaying = "is the input; choose another output";
+        for (const bool isHard : {false, true}) {
+            expectRefusal({"extract", volume, "--isovalue", "5", "-o", linkTo("a.ply", isHard)}, 2, kSaying);
+            expectRefusal({"build", volume, "-o", linkTo("a.isx", isHard)}, 2, kSaying);
+            expectRefusal({"resample", volume, "-o", linkTo("a.mha", isHard)}, 2, kSaying);
+            expectRefusal({"report", sphereVolume(), volume, "--steps", "1", "-o", linkTo("a.md", isHard)}, 2, kSaying);
+        }
+        std::filesystem::remove(path("a.md"));
+        linkTo("a_steps.svg", false);
+        expectRefusal({"report", volume, "--steps", "1", "-o", path("a.md")}, 2, kSaying);
+        std::filesystem::remove(path("a_steps.svg"));
+        EXPECT_EQ(readText(data), before);
+    }
+
+    /// A header whose samples lie in a separate file.
+    std::string detachedSphere(const std::string& header, const std::string& data) const {
+        rawSphere(data);
+        return folder_
+            .write(header, "ObjectType = Image\nNDims = 3\nDimSize = 16 16 16\nElementType = MET_FLOAT\n"
+                           "ElementDataFile = " +
+                               data + "\n")
+            .string();
+    }
+};
+
+TEST_F(CliOutput, NeverReplacesTheDataFileOfAHeader) {
+    const auto volume = detachedSphere("detached.mhd", "data.ply");
+    expectKept(volume, path("data.ply"));
+    const auto before = readText(path("data.ply"));
+    expectRefusal({"extract", volume, "--isovalue", "5", "-o", path("data.ply")}, 2, "data.ply: is the input");
+    EXPECT_EQ(readText(path("data.ply")), before);
+    const auto other = detachedSphere("other.mhd", "data.md");
+    expectRefusal({"report", other, "--steps", "1", "-o", path("data.md")}, 2, "data.md: is the input");
+    EXPECT_EQ(readText(path("data.md")), before);
+}
+
+TEST_F(CliOutput, NeverReplacesOneOfSeveralDataFiles) {
+    const std::string samples = readText(rawSphere());
+    folder_.write("low.raw", samples.substr(0, samples.size() / 2));
+    folder_.write("high.raw", samples.substr(samples.size() / 2));
+    const auto volume = folder_.write("split.nhdr", "NRRD0004\ntype: float\ndimension: 3\nsizes: 16 16 16\n"
+                                                    "endian: little\nencoding: raw\ndata file: LIST\n"
+                                                    "low.raw\nhigh.raw\n");
+    expectKept(volume, path("low.raw"));
+    expectKept(volume, path("high.raw"));
+}
+
+TEST_F(CliOutput, NeverReplacesASliceOfAFolder) {
+    std::filesystem::create_directory(path("series"));
+    const auto slice = std::filesystem::path(test::sourceFolder()) / "tests/fuzz/seeds/tiff/bits.tif";
+    for (const auto* name : {"series/1.tif", "series/2.tif"})
+        std::filesystem::copy_file(slice, path(name));
+    expectKept(path("series"), path("series/2.tif"));
+}
+
+// Outputs are written beside their place first.
+TEST_F(CliOutput, NeverReplacesTheInputByAnUnfinishedOutput) {
+    const auto volume = detachedSphere("detached.mhd", "a.ply.partial");
+    const auto before = readText(path("a.ply.partial"));
+    expectRefusal({"extract", volume, "--isovalue", "5", "-o", path("a.ply")}, 2, "a.ply.partial' first, which is");
+    std::filesystem::rename(sphereVolume(), path("sphere.isx.partial"));
+    expectRefusal({"build", path("sphere.isx.partial"), "-o", path("sphere.isx")}, 2, "first, which is the input");
+    EXPECT_EQ(readText(path("a.ply.partial")), before);
+    EXPECT_TRUE(std::filesystem::exists(path("sphere.isx.partial")));
+}
+
+// It may be what the page would replace, if it could be opened.
+TEST_F(CliOutput, KeepsAPageWhereAVolumeCannotBeOpened) {
+    const auto volume = detachedSphere("short.mhd", "page.md");
+    folder_.write("page.md", "too short");
+    expectRefusal({"report", sphereVolume(), volume, "--steps", "1", "-o", path("page.md")}, 3, "data ends early");
+    EXPECT_EQ(readText(path("page.md")), "too short");
+}
 
 TEST_F(CliOutput, EndsQuietlyWhenNobodyReads) {
     const auto index = sphereIndex();
