@@ -114,7 +114,8 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("build", "Build the index of a volume, for sliding");
         command->add_option("VOLUME", volumePath_, "volume to index; - for standard input")->required()->type_name("");
-        command->add_option("-o,--output", indexPath_, "index to write")->required()->type_name("INDEX.isx");
+        auto* output = command->add_option("-o,--output", indexPath_, "index to write")->required();
+        requireName(output->type_name("INDEX.isx"), "the output");
         addIndexOptions(*command);
         addMachineOptions(*command);
         addVolumeOptions(*command, volume_);

@@ -183,8 +183,9 @@ public:
         auto* command = program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
         command->add_option("FILE", path_, "index or volume; - for standard input")->required()->type_name("");
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
-        command->add_option("-o,--output", meshPath_, "mesh to write (ply, obj, stl, off, om); - for standard output")
-            ->type_name("MESH");
+        auto* output = command->add_option("-o,--output", meshPath_,
+                                           "mesh to write (ply, obj, stl, off, om); - for standard output");
+        requireName(output->type_name("MESH"), "the output");
         addFormat(*command);
         command->add_flag("--no-check", skipsCheck_, "write and count the surface without checking it: no certificate");
         auto* lodError =

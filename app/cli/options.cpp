@@ -99,6 +99,11 @@ LodError lodErrorOrThrow(const std::string& name, const std::string& text) {
 
 } // namespace
 
+CLI::Option* requireName(CLI::Option* option, const std::string& what) {
+    return option->check(
+        [what](const std::string& name) { return name.empty() ? what + " has no name" : std::string(); });
+}
+
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
                        const std::string& help) {
     return addText(

@@ -13,6 +13,8 @@ namespace isoslider::cli {
 
 /// Options that several commands share. All throw CLI::ValidationError on a text that will not do.
 
+/// An option or operand that names a file must not be empty; `what` it names, as "the output".
+CLI::Option* requireName(CLI::Option* option, const std::string& what);
 /// A finite number: "nan", "inf", "1e999", "1,5" and an empty text are refused.
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
                        const std::string& help);

@@ -49,21 +49,19 @@ public:
         auto* command = program.add_subcommand(
             "report", "Tables 1 to 3 and Fig. 10 of the paper for volumes: indexes, steps, triangles against error");
         command->add_option("VOLUME", paths_, "volumes to measure")->required()->type_name("");
-        command
-            ->add_option("-o,--output", output_,
-                         "page to write, with its plots beside it; else to standard output, without plots")
-            ->type_name("PAGE.md");
+        auto* output = command->add_option(
+            "-o,--output", output_, "page to write, with its plots beside it; else to standard output, without plots");
+        requireName(output->type_name("PAGE.md"), "the output");
         command
             ->add_option_function<std::string>(
                 "--index", [this](const std::string& text) { options_.kinds = kindsOrThrow(text); },
                 "kinds of index to measure: edges, metacells or both (both)")
             ->type_name("KIND");
         addInteger(*command, "--steps", steps_, 1, kMostSteps, fmt::format("steps of each size ({})", steps_));
-        command
-            ->add_option("--folder", folder_,
-                         "where indexes are written meanwhile; those of edges take 2 to 12 bytes per voxel (the "
-                         "temporary folder)")
-            ->type_name("FOLDER");
+        auto* folder = command->add_option("--folder", folder_,
+                                           "where indexes are written meanwhile; those of edges take 2 to 12 bytes per "
+                                           "voxel (the temporary folder)");
+        requireName(folder->type_name("FOLDER"), "the folder");
         addVolumeOptions(*command, volume_);
         return command;
     }

@@ -55,9 +55,9 @@ public:
         command->add_option("GRID", path_, "rectilinear, curvilinear or unstructured grid; - for standard input")
             ->required()
             ->type_name("");
-        command->add_option("-o,--output", output_, "volume to write; - for standard output")
-            ->required()
-            ->type_name("VOLUME.mha");
+        auto* output =
+            command->add_option("-o,--output", output_, "volume to write; - for standard output")->required();
+        requireName(output->type_name("VOLUME.mha"), "the output");
         addVolumeOptions(*command, volume_);
         standardInput_.declare(*command, path_, InputContent::Volume);
         command->get_option("--resample")->group("");

@@ -118,6 +118,23 @@ TEST_F(CliOutput, SaysWhenTheDiskBehindItIsFull) {
     EXPECT_EQ(result.standardError, "isoslider-cli: standard output: cannot write: No space left on device\n");
 }
 
+TEST_F(CliOutput, NeedsAName) {
+    const auto volume = sphereVolume();
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"build", volume},
+                                                    {"extract", volume, "--isovalue", "5"},
+                                                    {"resample", volume},
+                                                    {"report", volume}}) {
+        auto arguments = command;
+        arguments.insert(arguments.end(), {"-o", ""});
+        expectRefusal(arguments, 2, "the output has no name");
+        arguments.pop_back();
+        arguments.back() = "--output=";
+        expectRefusal(arguments, 2);
+    }
+    expectRefusal({"report", volume, "--folder", ""}, 2, "the folder has no name");
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"sphere.mha"});
+}
+
 TEST_F(CliOutput, IsTheSameInEveryLocale) {
     const auto index = sphereIndex();
     const auto plain = run({"extract", index, "--isovalue", "4.5", "-o", path("plain.obj")});
