@@ -113,7 +113,7 @@ class BuildCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("build", "Build the index of a volume, for sliding");
-        command->add_option("VOLUME", volumePath_, "volume to index; - for standard input")->required()->type_name("");
+        addInput(*command, "VOLUME", volumePath_, "volume to index; - for standard input");
         auto* output = command->add_option("-o,--output", indexPath_, "index to write")->required();
         requireName(output->type_name("INDEX.isx"), "the output");
         addIndexOptions(*command);

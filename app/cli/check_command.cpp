@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
+#include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
 #include "core/mesh/mesh_checks.h"
@@ -51,9 +52,7 @@ class CheckCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("check", "Whether a mesh is a sound, oriented 2-manifold");
-        command->add_option("MESH", path_, "mesh to check (ply, obj, stl, off, om); - for standard input")
-            ->required()
-            ->type_name("");
+        addInput(*command, "MESH", path_, "mesh to check (ply, obj, stl, off, om); - for standard input");
         standardInput_.declare(*command, path_, InputContent::Mesh);
         return command;
     }

@@ -181,7 +181,7 @@ class ExtractCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
-        command->add_option("FILE", path_, "index or volume; - for standard input")->required()->type_name("");
+        addInput(*command, "FILE", path_, "index or volume; - for standard input");
         addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
         auto* output = command->add_option("-o,--output", meshPath_,
                                            "mesh to write (ply, obj, stl, off, om); - for standard output");

@@ -292,7 +292,7 @@ class InfoCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("info", "What a volume, or an index of one, contains");
-        command->add_option("FILE", path_, "volume or index; - for standard input")->required()->type_name("");
+        addInput(*command, "FILE", path_, "volume or index; - for standard input");
         addVolumeOptions(*command, volume_);
         standardInput_.declare(*command, path_, InputContent::VolumeOrIndex);
         return command;

@@ -15,6 +15,11 @@ namespace isoslider::cli {
 
 /// An option or operand that names a file must not be empty; `what` it names, as "the output".
 CLI::Option* requireName(CLI::Option* option, const std::string& what);
+/// The operand that names what a command reads: a text, or a list of them.
+template <class Names>
+CLI::Option* addInput(CLI::App& command, const std::string& name, Names& target, const std::string& help) {
+    return requireName(command.add_option(name, target, help)->required()->type_name(""), "the input");
+}
 /// A finite number: "nan", "inf", "1e999", "1,5" and an empty text are refused.
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<double>& target,
                        const std::string& help);

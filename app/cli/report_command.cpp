@@ -48,7 +48,7 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand(
             "report", "Tables 1 to 3 and Fig. 10 of the paper for volumes: indexes, steps, triangles against error");
-        command->add_option("VOLUME", paths_, "volumes to measure")->required()->type_name("");
+        addInput(*command, "VOLUME", paths_, "volumes to measure");
         auto* output = command->add_option(
             "-o,--output", output_, "page to write, with its plots beside it; else to standard output, without plots");
         requireName(output->type_name("PAGE.md"), "the output");

@@ -52,9 +52,7 @@ class ResampleCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("resample", "Make a uniform volume of a non-uniform grid");
-        command->add_option("GRID", path_, "rectilinear, curvilinear or unstructured grid; - for standard input")
-            ->required()
-            ->type_name("");
+        addInput(*command, "GRID", path_, "rectilinear, curvilinear or unstructured grid; - for standard input");
         auto* output =
             command->add_option("-o,--output", output_, "volume to write; - for standard output")->required();
         requireName(output->type_name("VOLUME.mha"), "the output");

@@ -74,7 +74,7 @@ class SlideCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("slide", "Slide through isovalues, one record per step");
-        command->add_option("INDEX", indexPath_, "index to slide through")->required()->type_name("");
+        addInput(*command, "INDEX", indexPath_, "index to slide through");
         auto* from = addNumber(*command, "--from", from_, "first isovalue");
         auto* to = addNumber(*command, "--to", to_, "last isovalue")->needs(from);
         auto* steps = addInteger(*command, "--steps", steps_, 1, kMaxSteps,

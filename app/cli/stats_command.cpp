@@ -10,6 +10,7 @@
 #include "app/cli/index_facts.h"
 #include "app/cli/level_json.h"
 #include "app/cli/lod_error.h"
+#include "app/cli/options.h"
 #include "app/cli/standard_input.h"
 #include "core/extract/slide_engine.h"
 #include "core/index/index_reader.h"
@@ -75,7 +76,7 @@ class StatsCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("stats", "Tables 1 and 2 of the paper for an index, and its levels");
-        command->add_option("INDEX", path_, "index to describe; - for standard input")->required()->type_name("");
+        addInput(*command, "INDEX", path_, "index to describe; - for standard input");
         standardInput_.declare(*command, path_, InputContent::Index);
         return command;
     }

@@ -76,9 +76,7 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand(
             "topology", "Isovalues at which pieces, tunnels and boundary loops change, and what surfaces measure");
-        command->add_option("FILE", path_, "volume, or index; - for a volume from standard input")
-            ->required()
-            ->type_name("");
+        addInput(*command, "FILE", path_, "volume, or index; - for a volume from standard input");
         std::vector<CLI::Option*> questions;
         questions.push_back(addNumber(*command, "--at", at_, "counts and measures at one isovalue"));
         questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,

@@ -48,10 +48,11 @@ class ValidateCommand final : public Command {
 public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("validate", "Whether an index is sound, and where it is not");
-        command->add_option("INDEX", path_, "index to look at; - for standard input")->required()->type_name("");
+        addInput(*command, "INDEX", path_, "index to look at; - for standard input");
         command->add_flag("--full", isFull_, "besides the checksums, all that its parts state of each other");
-        command->add_option("--against", volumePath_, "volume that the index should be of: its samples are compared")
-            ->type_name("VOLUME");
+        auto* against = command->add_option("--against", volumePath_,
+                                            "volume that the index should be of: its samples are compared");
+        requireName(against->type_name("VOLUME"), "the volume");
         addVolumeOptions(*command, volume_);
         standardInput_.declare(*command, path_, InputContent::Index);
         return command;

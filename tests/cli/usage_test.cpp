@@ -150,6 +150,17 @@ TEST_F(CliUsage, RefusesAnOutputThatIsTheInput) {
     EXPECT_EQ(readText(index), indexBefore);
 }
 
+TEST_F(CliUsage, NeedsTheNameOfAnInput) {
+    for (const auto* command : {"info", "check", "stats", "topology", "validate", "report"})
+        expectRefusal({command, ""}, 2, "the input has no name");
+    expectRefusal({"extract", "", "--isovalue", "5"}, 2, "the input has no name");
+    expectRefusal({"slide", "", "--path", "5"}, 2, "the input has no name");
+    expectRefusal({"build", "", "-o", "a.isx"}, 2, "the input has no name");
+    expectRefusal({"resample", "", "-o", "a.mha"}, 2, "the input has no name");
+    expectRefusal({"report", sphereVolume(), ""}, 2, "the input has no name");
+    expectRefusal({"validate", "a.isx", "--against", ""}, 2, "the volume has no name");
+}
+
 TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
     expectRefusal({}, 2, "command is required");
     expectRefusal({"slice"}, 2);
