@@ -23,6 +23,7 @@
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
 #include "app/cli/standard_input.h"
+#include "app/cli/volume_options_check.h"
 #include "core/base/machine.h"
 #include "core/base/memory_limit.h"
 #include "core/base/process_memory.h"
@@ -145,6 +146,7 @@ public:
         ProgressBar bar(session.showsProgress, session.stop);
         io::ReadOptions reading = volume_.readOptions();
         reading.memoryBytes = memoryBytes_ / 2;
+        ISO_CLI_TRY(checkResampling(reading, volumePath_, bar.job()));
         auto source = io::openVolume(volumePath_, reading, bar.job());
         if (!source.isOk()) {
             bar.wipe();

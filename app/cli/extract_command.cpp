@@ -18,6 +18,7 @@
 #include "app/cli/resampling_report.h"
 #include "app/cli/standard_input.h"
 #include "app/cli/standard_output.h"
+#include "app/cli/volume_options_check.h"
 #include "core/base/folders.h"
 #include "core/extract/full_extraction.h"
 #include "core/extract/merged/merged_extraction.h"
@@ -209,6 +210,7 @@ public:
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
+        ISO_CLI_TRY(checkVolumeOptions(volume_, kind.value(), path_));
         if (kind.value() == InputKind::Index && lodLevels_ > 0 && lodLevels_ != extract::kMaxBrickMergeLevel)
             return Outcome::wrongUsage("--lod-levels: cells of an index are merged up to level 3");
         if (!meshPath_.empty())
@@ -218,6 +220,7 @@ public:
         const JobControl extracting = job.part(0.0, 0.4), finishing = job.part(0.4, 1.0);
         std::unique_ptr<io::VolumeSource> source; // of a volume
         if (kind.value() == InputKind::Volume) {
+            ISO_CLI_TRY(checkResampling(volume_.readOptions(), path_, extracting));
             auto opened = io::openVolume(path_, volume_.readOptions(), extracting);
             if (!opened.isOk())
                 return std::move(opened).error();

@@ -15,6 +15,7 @@
 #include "app/cli/progress_bar.h"
 #include "app/cli/resampling_report.h"
 #include "app/cli/standard_input.h"
+#include "app/cli/volume_options_check.h"
 #include "core/base/folders.h"
 #include "core/base/plain_text.h"
 #include "core/index/index_reader.h"
@@ -303,7 +304,10 @@ public:
         const auto kind = sniffInput(path_, volume_.readOptions());
         if (!kind.isOk())
             return kind.error();
+        ISO_CLI_TRY(checkVolumeOptions(volume_, kind.value(), path_));
         ProgressBar bar(session.showsProgress, session.stop);
+        if (kind.value() == InputKind::Volume)
+            ISO_CLI_TRY(checkResampling(volume_.readOptions(), path_, bar.job()));
         auto report = kind.value() == InputKind::Index ? reportOfIndex(path_)
                                                        : reportOfVolume(path_, volume_.readOptions(), bar.job());
         bar.wipe();

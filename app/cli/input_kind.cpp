@@ -33,7 +33,7 @@ Result<InputKind> sniffInput(const std::filesystem::path& path, const io::ReadOp
         return isIndex.error();
     if (isIndex.value())
         return InputKind::Index;
-    if (path.extension() != ".isx" || io::openVolume(path, options).isOk())
+    if (path.extension() != ".isx" || options.raw || io::openVolume(path, options).isOk())
         return InputKind::Volume;
     return InputKind::Index;
 }

@@ -197,7 +197,10 @@ void addVolumeOptions(CLI::App& command, VolumeOptions& target) {
     frame->type_name("N");
     for (auto* option : {spacing, skip, bigEndian})
         option->needs(dims);
-    for (auto* option : {dims, type, spacing, skip, bigEndian, trailing, external, field, component, frame, resample})
+    for (auto* option : {field, component, frame, resample}) // headerless samples are one uniform volume
+        option->excludes(dims);
+    target.added = {dims, type, spacing, skip, bigEndian, trailing, external, field, component, frame, resample};
+    for (auto* option : target.added)
         option->group("Volumes");
 }
 

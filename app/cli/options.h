@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -43,6 +44,7 @@ struct VolumeOptions {
     std::optional<int> component;
     std::optional<std::int64_t> frame;
     GridDims resampleDims{0, 0, 0};
+    std::vector<CLI::Option*> added; ///< to the command
 
     io::ReadOptions readOptions() const;
 };

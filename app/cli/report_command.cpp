@@ -14,6 +14,7 @@
 #include "app/cli/output_check.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/report/report_page.h"
+#include "app/cli/volume_options_check.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
 #include "core/volume_io/volume_reader.h"
@@ -85,6 +86,7 @@ public:
             if (kind.value() == InputKind::Index)
                 return makeError(ErrorCode::InvalidArgument, "is an index; a report is of volumes", path);
         }
+        ISO_CLI_TRY(checkAnyResampled(session.stop));
         if (!output_.empty())
             ISO_CLI_TRY(tryOutputs(session.stop));
         std::vector<VolumeMeasures> volumes;
@@ -98,6 +100,17 @@ public:
     }
 
 private:
+    // Of several volumes one may be uniform and another not.
+    Outcome checkAnyResampled(const std::stop_token& stop) const {
+        Outcome refusal;
+        for (const std::string& path : paths_) {
+            refusal = checkResampling(volume_.readOptions(), path, {stop, {}});
+            if (refusal.isSuccess())
+                break;
+        }
+        return refusal;
+    }
+
     Outcome checkPage() const {
         if (!output_.ends_with(".md"))
             return Outcome::wrongUsage(fmt::format("--output: '{}': a report is written as .md", output_));

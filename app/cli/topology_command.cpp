@@ -14,6 +14,7 @@
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
+#include "app/cli/volume_options_check.h"
 #include "core/base/folders.h"
 #include "core/base/memory_limit.h"
 #include "core/topology/index_topology.h"
@@ -111,8 +112,14 @@ public:
 
     Outcome run(Session& session) override {
         ISO_CLI_TRY(standardInput_.fetch(session, volume_, temporaryFolder()));
+        const auto kind = sniffInput(path_, volume_.readOptions());
+        if (!kind.isOk())
+            return kind.error();
+        ISO_CLI_TRY(checkVolumeOptions(volume_, kind.value(), path_));
         ProgressBar bar(session.showsProgress, session.stop);
-        const auto summary = find(bar.job());
+        if (kind.value() == InputKind::Volume)
+            ISO_CLI_TRY(checkResampling(volume_.readOptions(), path_, bar.job()));
+        const auto summary = find(kind.value(), bar.job());
         bar.wipe();
         if (!summary.isOk()) {
             Error error = summary.error();
@@ -148,13 +155,10 @@ private:
     }
 
     // Of an index what was stored in it; else analysed now, and for the next time stored where that can be.
-    Result<Summary> find(const JobControl& job) const {
-        const auto kind = sniffInput(path_, volume_.readOptions());
-        if (!kind.isOk())
-            return kind.error();
+    Result<Summary> find(InputKind kind, const JobControl& job) const {
         topology::AnalysisOptions options;
         options.memoryBytes = usableMemoryBytes() / 2;
-        if (kind.value() == InputKind::Index) {
+        if (kind == InputKind::Index) {
             auto found = topology::topologyOfIndex(path_, options, job);
             if (!found.isOk())
                 return std::move(found).error();

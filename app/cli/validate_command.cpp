@@ -11,6 +11,7 @@
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
+#include "app/cli/volume_options_check.h"
 #include "core/index/index_reader.h"
 #include "core/index/validation/index_validation.h"
 #include "core/topology/stored_topology_check.h"
@@ -54,6 +55,8 @@ public:
                                             "volume that the index should be of: its samples are compared");
         requireName(against->type_name("VOLUME"), "the volume");
         addVolumeOptions(*command, volume_);
+        for (CLI::Option* option : volume_.added) // they describe that volume, not the index
+            option->needs(against);
         standardInput_.declare(*command, path_, InputContent::Index);
         return command;
     }
@@ -61,6 +64,8 @@ public:
     Outcome run(Session& session) override {
         ISO_CLI_TRY(standardInput_.fetch(session));
         ProgressBar bar(session.showsProgress, session.stop);
+        if (!volumePath_.empty())
+            ISO_CLI_TRY(checkResampling(volume_.readOptions(), volumePath_, bar.job()));
         auto validated = validate(bar.job());
         bar.wipe();
         if (!validated.isOk())

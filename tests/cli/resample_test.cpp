@@ -47,6 +47,25 @@ TEST_F(CliResample, WritesAUniformVolumeAndTellsWhatWasLost) {
     EXPECT_EQ(runJson({"info", path("c.mha")})["dims"], OrderedJson({11, 4, 3}));
 }
 
+TEST_F(CliResample, IsRefusedForAUniformGrid) {
+    const auto volume = sphereVolume(), index = sphereIndex();
+    const std::string saying = volume + ": --resample cannot apply to a uniform grid";
+    const std::vector<std::string> size{"--resample", "4,4,4"};
+    for (std::vector<std::string> arguments : {std::vector<std::string>{"info", volume},
+                                               {"extract", volume, "--isovalue", "5"},
+                                               {"topology", volume},
+                                               {"build", volume, "-o", path("a.isx")},
+                                               {"report", volume},
+                                               {"validate", index, "--against", volume}}) {
+        arguments.insert(arguments.end(), size.begin(), size.end());
+        expectRefusal(arguments, 2, saying);
+    }
+    const auto grid = rectilinear();
+    EXPECT_EQ(runJson({"info", grid, "--resample", "4,4,4"})["dims"], OrderedJson({4, 4, 4}));
+    EXPECT_EQ(run({"report", volume, grid, "--resample", "4,4,4", "--steps", "1", "--index", "metacells"}).exitCode, 0)
+        << "one of them is resampled";
+}
+
 TEST_F(CliResample, IsReportedByEveryCommandThatResamples) {
     // A spike at a point that the uniform grid has none near.
     std::string text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 2 2\n"

@@ -161,6 +161,46 @@ TEST_F(CliUsage, NeedsTheNameOfAnInput) {
     expectRefusal({"validate", "a.isx", "--against", ""}, 2, "the volume has no name");
 }
 
+TEST_F(CliUsage, RefusesOptionsOfVolumesForAnIndex) {
+    const auto index = sphereIndex(), volume = path("sphere.mha");
+    for (const std::vector<std::string>& option : {std::vector<std::string>{"--frame", "0"},
+                                                   {"--field", "nope"},
+                                                   {"--component", "0"},
+                                                   {"--resample", "4,4,4"},
+                                                   {"--raw-dims", "3,3,3", "--raw-type", "u8"},
+                                                   {"--allow-trailing"},
+                                                   {"--allow-external"}})
+        for (const std::vector<std::string>& command : {std::vector<std::string>{"info", index},
+                                                        {"extract", index, "--isovalue", "5"},
+                                                        {"topology", index, "--at", "5"}}) {
+            auto arguments = command;
+            arguments.insert(arguments.end(), option.begin(), option.end());
+            expectRefusal(arguments, 2, index + ": " + option[0] + " cannot apply to an index");
+        }
+    expectRefusal({"validate", index, "--frame", "0"}, 2, "--frame requires --against");
+    EXPECT_EQ(run({"validate", index, "--against", volume, "--frame", "0"}).exitCode, 0);
+    EXPECT_EQ(run({"info", volume, "--frame", "0", "--component", "0"}).exitCode, 0);
+}
+
+// A name states nothing of what is read as headerless samples.
+TEST_F(CliUsage, ReadsHeaderlessSamplesUnderTheNameOfAnIndex) {
+    rawSphere("raw.isx");
+    EXPECT_EQ(run({"info", path("raw.isx"), "--raw-dims", "16,16,16", "--raw-type", "f32"}).exitCode, 0);
+    expectRefusal({"info", path("raw.isx"), "--raw-dims", "99,16,16", "--raw-type", "f32"}, 3, "has 16384 bytes");
+}
+
+TEST_F(CliUsage, RefusesChoicesInHeaderlessSamples) {
+    const auto raw = rawSphere();
+    for (const std::vector<std::string>& option : {std::vector<std::string>{"--frame", "7"},
+                                                   {"--field", "nope"},
+                                                   {"--component", "9"},
+                                                   {"--resample", "4,4,4"}}) {
+        std::vector<std::string> arguments{"info", raw, "--raw-dims", "16,16,16", "--raw-type", "f32"};
+        arguments.insert(arguments.end(), option.begin(), option.end());
+        expectRefusal(arguments, 2, option[0]);
+    }
+}
+
 TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
     expectRefusal({}, 2, "command is required");
     expectRefusal({"slice"}, 2);
