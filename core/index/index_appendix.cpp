@@ -113,21 +113,26 @@ Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& path, 
     return std::optional<Appendix>(std::move(appendix));
 }
 
-Result<AppendixState> appendixState(const std::filesystem::path& path, FileSystem& fileSystem) {
+Result<AppendixCheck> checkAppendix(const std::filesystem::path& path, FileSystem& fileSystem) {
     const auto appendix = readAppendix(path, fileSystem);
     if (!appendix.isOk())
         return appendix.error();
-    if (appendix.value())
-        return AppendixState::Whole;
+    if (appendix.value()) {
+        const std::uint64_t end =
+            appendix.value()->bodyOffset + appendix.value()->bodyBytes + appendix.value()->directory.size();
+        const bool isLast = end == appendix.value()->file->sizeBytes();
+        return AppendixCheck{isLast ? AppendixState::Whole : AppendixState::Followed, end};
+    }
     const auto index = openIndex(path, fileSystem);
     if (!index.isOk())
         return index.error();
-    if (index.value().file->sizeBytes() == index.value().bytes)
-        return AppendixState::None;
+    const std::uint64_t end = index.value().bytes;
+    if (index.value().file->sizeBytes() == end)
+        return AppendixCheck{AppendixState::None, end};
     std::vector<std::byte> first(kHeaderBytes);
-    ISO_TRY(index.value().file->readExactlyAt(index.value().bytes, first));
+    ISO_TRY(index.value().file->readExactlyAt(end, first));
     const bool isUnfinished = std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
-    return isUnfinished ? AppendixState::Unfinished : AppendixState::Damaged;
+    return AppendixCheck{isUnfinished ? AppendixState::Unfinished : AppendixState::Damaged, end};
 }
 
 Status writeAppendix(const IndexReader& reader, std::size_t parts,

@@ -33,12 +33,17 @@ Result<std::optional<Appendix>> readAppendix(const std::filesystem::path& index,
 /// What is behind an index in its file.
 enum class AppendixState {
     None,
-    Unfinished, ///< adding it did not go to its end: as if there were none
+    Unfinished, ///< zeros where a header belongs: adding it did not go to its end, or they came later; none is read
     Whole,
+    Followed, ///< a whole one, and bytes behind it that belong to nothing
     Damaged, ///< a header or a directory that is not right, or is of another index: none is read
 };
+struct AppendixCheck {
+    AppendixState state = AppendixState::None;
+    std::uint64_t end = 0; ///< in the file: of a whole one, else of the index
+};
 /// Errors: those of readAppendix.
-Result<AppendixState> appendixState(const std::filesystem::path& index, FileSystem& fileSystem = defaultFileSystem());
+Result<AppendixCheck> checkAppendix(const std::filesystem::path& index, FileSystem& fileSystem = defaultFileSystem());
 
 /// Adds one to the index that `reader` has open, and to no other: by then another may have its name. `part(i)` for i in
 /// [0, parts) are its body, one after the other. It counts once all is on the disk; a whole one that is there already

@@ -85,6 +85,30 @@ TEST_F(CliValidate, FindsFaultsOfStoredTopology) {
     }
 }
 
+// Which readers leave alone.
+TEST_F(CliValidate, FindsBytesBehindAnIndexThatAreNoTopology) {
+    const auto index = sphereIndex();
+    const std::size_t indexBytes = runJson({"stats", index})["index_bytes"];
+    const std::string whole = readText(index);
+    std::string headless = whole;
+    headless.replace(indexBytes, 64, 64, '\0');
+    const std::string without = whole.substr(0, indexBytes);
+    for (const auto& [bytes, saying] : {std::pair(whole + std::string(16, 'x'), "bytes that belong to nothing"),
+                                        {whole + std::string(5000, 'x'), "bytes that belong to nothing"},
+                                        {headless, "lost its header"},
+                                        {headless.substr(0, indexBytes + 100), "is not finished"}}) {
+        const auto path = folder_.write("b.isx", bytes).string();
+        const auto result = run({"validate", path});
+        EXPECT_EQ(result.exitCode, 1);
+        EXPECT_THAT(result.standardError, HasSubstr(saying));
+        EXPECT_THAT(result.standardOutput, HasSubstr("damaged"));
+        EXPECT_EQ(run({"slide", path, "--path", "3,5"}).exitCode, 0) << "an interrupted build leaves an index";
+        EXPECT_EQ(run({"topology", path}).exitCode, 0);
+    }
+    EXPECT_EQ(run({"validate", path("b.isx")}).exitCode, 0) << "topology has been added again";
+    EXPECT_EQ(run({"validate", folder_.write("c.isx", without).string()}).exitCode, 0);
+}
+
 TEST_F(CliValidate, NamesTheDifferenceToAnotherVolume) {
     const auto other = folder_.write("other.mha", metaImage(16, "MET_FLOAT", floatSamples(16, [](int x, int y, int z) {
                                                                 return static_cast<float>(x * y - z);

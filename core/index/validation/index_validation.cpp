@@ -24,7 +24,7 @@ public:
 
     Status run(const std::filesystem::path& path, FileSystem& fileSystem, const JobControl& job) {
         const bool readsMore = options_.isFull || options_.volume;
-        checkAppendix(path, fileSystem);
+        findAppendixFault(path, fileSystem);
         checkFacts();
         ISO_TRY(checkParts(reader_, options_.isFull, faults_, report_, job.part(0.0, readsMore ? 0.2 : 1.0)));
         if (options_.volume && !isOfTheVolume())
@@ -61,16 +61,23 @@ private:
         faults_.add(std::move(fault));
     }
 
-    // One that was cut off while it was written is none, by its rules, and no fault.
-    void checkAppendix(const std::filesystem::path& path, FileSystem& fileSystem) {
-        const auto state = appendixState(path, fileSystem);
-        if (state.isOk() && state.value() == AppendixState::Damaged) {
-            IndexFault fault;
-            fault.part = "appendix";
-            fault.problem = "fails its checksum, or belongs to another index";
-            fault.offset = reader_.info().indexBytes;
-            faults_.add(std::move(fault));
+    // One that is not finished is read as none. Whether writing it was cut off or zeros took the place of its header
+    // cannot be distinguished, so it is reported.
+    void findAppendixFault(const std::filesystem::path& path, FileSystem& fileSystem) {
+        const auto check = checkAppendix(path, fileSystem);
+        if (!check.isOk())
+            return;
+        IndexFault fault;
+        fault.part = "appendix";
+        fault.offset = check.value().end;
+        switch (check.value().state) {
+            case AppendixState::None:
+            case AppendixState::Whole: return;
+            case AppendixState::Unfinished: fault.problem = "is not finished, or has lost its header"; break;
+            case AppendixState::Followed: fault.problem = "is followed by bytes that belong to nothing"; break;
+            case AppendixState::Damaged: fault.problem = "fails its checksum, or belongs to another index"; break;
         }
+        faults_.add(std::move(fault));
     }
 
     // What meta states twice, or must add up to.

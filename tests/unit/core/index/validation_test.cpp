@@ -550,16 +550,29 @@ TEST_P(Validation, TellsVolumesApart) {
 TEST_P(Validation, TellsADamagedAppendixFromAnUnfinishedOne) {
     const auto path = build();
     const std::string good = test::readText(path);
-    EXPECT_THAT(faultsOf(folder_.write("b.isx", good + std::string(100, '\0')), false), testing::IsEmpty());
+    EXPECT_THAT(faultsOf(folder_.write("b.isx", good + std::string(100, '\0')), false),
+                testing::ElementsAre(HasSubstr("appendix is not finished, or has lost its header (at byte " +
+                                               std::to_string(good.size()))));
     const auto reader = IndexReader::open(path).value();
     const std::vector<std::byte> text(40, std::byte{7});
     ASSERT_THAT(writeAppendix(
                     *reader, 1, [&](std::size_t) { return text; }, text, true),
                 IsOk());
     EXPECT_THAT(faultsOf(path, false), testing::IsEmpty());
-    std::string damaged = test::readText(path);
+    const std::string whole = test::readText(path);
+    std::string damaged = whole;
     damaged.back() = static_cast<char>(damaged.back() ^ 1);
     EXPECT_THAT(faultsOf(folder_.write("c.isx", damaged), false), testing::ElementsAre(HasSubstr("appendix fails")));
+    damaged = whole;
+    std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(good.size()), 64, '\0');
+    EXPECT_THAT(faultsOf(folder_.write("d.isx", damaged), false), testing::ElementsAre(HasSubstr("lost its header")));
+    for (const std::size_t more : {1u, 63u, 64u, 5000u})
+        for (const char byte : {'\0', 'x'})
+            EXPECT_THAT(
+                faultsOf(folder_.write("e.isx", whole + std::string(more, byte)), false),
+                testing::ElementsAre(HasSubstr("appendix is followed by bytes that belong to nothing (at byte " +
+                                               std::to_string(whole.size()))))
+                << more;
 }
 
 TEST_P(Validation, DescribesAFewFaultsAndCountsAll) {
