@@ -25,6 +25,8 @@ struct Validated {
     topology::StoredTopologyCheck topology;
 
     std::uint64_t faultCount() const { return report.faultCount + topology.faults.size(); }
+    /// Whatever volume it is of.
+    bool isSound() const { return faultCount() == report.differences; }
     std::vector<index::IndexFault> faults() const {
         std::vector<index::IndexFault> all = report.faults;
         all.insert(all.end(), topology.faults.begin(), topology.faults.end());
@@ -77,7 +79,9 @@ public:
         const std::uint64_t count = validated.value().faultCount();
         if (count == 0)
             return {};
-        const std::string first = validated.value().faults().front().line();
+        const std::string verdict =
+            validated.value().isSound() ? fmt::format("is sound, but not of {}: ", escapedName(volumePath_)) : "";
+        const std::string first = verdict + validated.value().faults().front().line();
         const std::string more = count > 1 ? fmt::format(", and {} more faults", count - 1) : "";
         return Outcome::foundFault(makeError(ErrorCode::InvalidArgument, first + more, path_).line());
     }
@@ -116,12 +120,13 @@ private:
     Json jsonOf(const Validated& validated) const {
         const index::ValidationReport& report = validated.report;
         Json json;
-        json["sound"] = validated.faultCount() == 0;
+        json["sound"] = validated.isSound();
         json["kind"] = index::indexKindName(report.info.kind);
         json["full"] = isFull_;
         if (!volumePath_.empty()) {
             json["against"] = volumePath_;
             json["compared"] = report.areSamplesCompared ? "samples" : "facts";
+            json["differences"] = report.differences;
         }
         json["pages"] = report.pages;
         json["chunks"] = report.chunks;
@@ -143,8 +148,10 @@ private:
         if (validated.faultCount() > described)
             text += fmt::format("… and {} more\n", validated.faultCount() - described);
         const index::ValidationReport& report = validated.report;
-        text += fmt::format("{}: {}, {} of {} in {} pages", escapedName(path_),
-                            validated.faultCount() == 0 ? "sound" : "damaged", sizeText(report.bytes),
+        const std::string verdict = !validated.isSound()     ? "damaged"
+                                    : report.differences > 0 ? "sound, but not of " + escapedName(volumePath_)
+                                                             : "sound";
+        text += fmt::format("{}: {}, {} of {} in {} pages", escapedName(path_), verdict, sizeText(report.bytes),
                             index::indexKindName(report.info.kind), report.pages);
         if (report.chunks > 0)
             text += fmt::format(" and {} chunks", report.chunks);

@@ -124,6 +124,38 @@ TEST_F(CliValidate, NamesTheDifferenceToAnotherVolume) {
                 HasSubstr("grid has 16 x 16 x 16 points, the volume 12 x 12 x 12"));
 }
 
+TEST_F(CliValidate, FindsAnIndexOfAnotherVolumeSound) {
+    const auto sphere = readText(sphereVolume());
+    const auto with = [&](const std::string& from, const std::string& to, const std::string& name) {
+        std::string bytes = sphere;
+        bytes.replace(bytes.find(from), from.size(), to);
+        return folder_.write(name, bytes).string();
+    };
+    const auto integers = folder_.write("integers.mha", metaImage(16, "MET_UCHAR", std::string(16 * 16 * 16, 'a')));
+    for (const std::string& index : {sphereIndex(), edgesIndex()}) {
+        for (const auto& [volume, saying] :
+             {std::pair(noiseVolume(12), "grid has 16 x 16 x 16 points, the volume 12 x 12 x 12"),
+              {integers.string(), "scalar type is f32, that of the volume u8"},
+              {with("Spacing = 1 1 1", "Spacing = 1 1 2.5", "far.mha"), "spacing 1 1 1, not 1 1 2.5"},
+              {with("Offset = 0 0 0", "Offset = 0 7 0", "moved.mha"), "origin 0 0 0, not 0 7 0"},
+              {noiseVolume(16, "n.mha"), "other"}}) {
+            const auto result = run({"validate", index, "--against", volume});
+            EXPECT_EQ(result.exitCode, 1);
+            EXPECT_THAT(result.standardOutput, HasSubstr(index + ": sound, but not of " + volume));
+            EXPECT_THAT(result.standardError, ::testing::AnyOf(HasSubstr(saying), HasSubstr("value range")));
+            EXPECT_THAT(result.standardError, HasSubstr(index + ": is sound, but not of " + volume + ": "));
+            const auto json =
+                OrderedJson::parse(run({"validate", index, "--against", volume, "--json"}).standardOutput);
+            EXPECT_EQ(json["sound"], true);
+            EXPECT_EQ(json["differences"], json["fault_count"]);
+        }
+    }
+    const auto both = run({"validate", damaged(sphereIndex()), "--against", noiseVolume(12)});
+    EXPECT_EQ(both.exitCode, 1);
+    EXPECT_THAT(both.standardOutput, AllOf(HasSubstr("damaged.isx: damaged, "), HasSubstr("fails its checksum"),
+                                           HasSubstr("the volume 12")));
+}
+
 TEST_F(CliValidate, RefusesWithDifferentWords) {
     expectRefusal({"validate", sphereVolume()}, 3, "not an ISOSLIDER index");
     std::string bytes = readText(sphereIndex());

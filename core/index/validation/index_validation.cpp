@@ -1,7 +1,10 @@
 #include "core/index/validation/index_validation.h"
 
 #include <atomic>
+#include <limits>
+#include <locale>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include "core/index/index_appendix.h"
@@ -15,6 +18,23 @@ namespace {
 
 std::string dimsText(const GridDims& dims) {
     return std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " + std::to_string(dims[2]);
+}
+
+std::string vectorText(const glm::dvec3& vector) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(std::numeric_limits<double>::max_digits10);
+    text << vector.x << ' ' << vector.y << ' ' << vector.z;
+    return text.str();
+}
+
+/// REQUIRES: the two differ.
+std::string placeDifference(const GridGeometry& index, const GridGeometry& volume) {
+    if (index.spacing != volume.spacing)
+        return "spacing " + vectorText(index.spacing) + ", not " + vectorText(volume.spacing);
+    if (index.origin != volume.origin)
+        return "origin " + vectorText(index.origin) + ", not " + vectorText(volume.origin);
+    return "other directions of the axes";
 }
 
 class Validation {
@@ -37,23 +57,31 @@ public:
         bool comparesList = options_.volume && isEdges && !options_.isFull; // with the volume
         if (options_.isFull || comparesList)
             ISO_TRY(checkLevels(reader_, faults_, sums, job.part(0.2, 0.6)));
-        const SurveyOptions ofSamples{options_.memoryBytes, "the samples"},
-            ofVolume{options_.memoryBytes, "the volume"};
+        const SurveyOptions ofSamples{options_.memoryBytes, "the samples"};
         if (options_.isFull) {
             const auto areWhole = checkStoredSamples(sums, ofSamples, job.part(0.6, options_.volume ? 0.8 : 1.0));
             if (!areWhole.isOk())
                 return areWhole.error();
             comparesList = options_.volume && !areWhole.value();
         }
-        if (comparesList)
-            ISO_TRY(surveySamples(reader_, *options_.volume, &sums, faults_, ofVolume, job.part(0.6, 0.8)));
         if (options_.volume)
-            ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
-        report_.areSamplesCompared = options_.volume.has_value();
+            ISO_TRY(compareWithVolume(comparesList ? &sums : nullptr, job));
         return {};
     }
 
 private:
+    // `list`: what the index states of edges, where that is compared too.
+    Status compareWithVolume(const Level0Sums* list, const JobControl& job) {
+        const std::uint64_t before = faults_.count();
+        if (list != nullptr)
+            ISO_TRY(surveySamples(reader_, *options_.volume, list, faults_, {options_.memoryBytes, "the volume"},
+                                  job.part(0.6, 0.8)));
+        ISO_TRY(compareSamples(reader_, *options_.volume, faults_, job.part(0.8, 1.0)));
+        report_.differences += faults_.count() - before;
+        report_.areSamplesCompared = true;
+        return {};
+    }
+
     void refuse(const char* part, std::string problem) {
         IndexFault fault;
         fault.part = part;
@@ -101,6 +129,7 @@ private:
     }
 
     bool isOfTheVolume() {
+        const std::uint64_t before = faults_.count();
         const ComparedVolume& volume = *options_.volume;
         const IndexInfo& info = reader_.info();
         if (volume.geometry.dims != info.geometry.dims)
@@ -110,7 +139,9 @@ private:
             refuse("scalar type", "is " + std::string(scalarTypeName(info.type)) + ", that of the volume " +
                                       std::string(scalarTypeName(volume.type)));
         else if (!(volume.geometry == info.geometry))
-            refuse("grid", "lies elsewhere in space than that of the volume");
+            refuse("grid", "lies elsewhere in space than that of the volume: " +
+                               placeDifference(info.geometry, volume.geometry));
+        report_.differences += faults_.count() - before;
         return volume.geometry.dims == info.geometry.dims && volume.type == info.type;
     }
 

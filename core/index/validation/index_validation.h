@@ -52,6 +52,7 @@ struct ValidationReport {
     IndexInfo info;
     std::vector<IndexFault> faults;
     std::uint64_t faultCount = 0;
+    std::uint64_t differences = 0; ///< of these, what the index has otherwise than the volume it is compared with
     std::uint64_t pages = 0, chunks = 0; ///< that were looked at
     std::uint64_t bytes = 0; ///< under checksums
     bool areSamplesCompared = false; ///< a volume was given, and it has the grid and type of the index
