@@ -49,12 +49,12 @@ public:
             parser_.exit(request); // --help or --version, to standard output
             return {};
         } catch (const CLI::RequiredError& error) {
-            // What is missing may well be what was mistyped.
-            if (const std::string unknown = unknownOption(); !unknown.empty())
-                return Outcome::wrongUsage(fmt::format("'{}' is not an option; see --help", unknown));
+            // What is missing may well be what was mistyped: first the command, on which options depend.
             const bool isCommandMissing = parser_.get_subcommands().empty();
             if (isCommandMissing && argc > 1 && argv[1][0] != '-')
                 return Outcome::wrongUsage(fmt::format("'{}' is not a command; see --help", argv[1]));
+            if (const std::string unknown = unknownOption(); !unknown.empty())
+                return Outcome::wrongUsage(fmt::format("'{}' is not an option; see --help", unknown));
             return Outcome::wrongUsage(isCommandMissing ? "a command is required; see --help" : error.what());
         } catch (const CLI::ExtrasError& error) {
             const std::string unknown = unknownOption();

@@ -203,7 +203,9 @@ TEST_F(CliUsage, RefusesChoicesInHeaderlessSamples) {
 
 TEST_F(CliUsage, RefusesWordsItDoesNotKnow) {
     expectRefusal({}, 2, "command is required");
-    expectRefusal({"slice"}, 2);
+    expectRefusal({"slice"}, 2, "'slice' is not a command");
+    expectRefusal({"slice", "--json"}, 2, "'slice' is not a command");
+    expectRefusal({"slice", "a.mha", "-o", "b.isx"}, 2, "'slice' is not a command");
     expectRefusal({"info"}, 2, "required");
     expectRefusal({"info", sphereVolume(), "--colour"}, 2, "--colour");
     expectRefusal({"info", sphereVolume(), "second"}, 2, "second");
