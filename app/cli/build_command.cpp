@@ -26,6 +26,7 @@
 #include "app/cli/volume_options_check.h"
 #include "core/base/machine.h"
 #include "core/base/memory_limit.h"
+#include "core/base/plain_text.h"
 #include "core/base/process_memory.h"
 #include "core/index/format/index_format.h"
 #include "core/topology/index_topology.h"
@@ -315,17 +316,18 @@ private:
         text += fmt::format("forecast: {}, {} of topology, and up to {} of temporary files, of which {} were used\n",
                             sizeText(report.forecast.indexBytes), sizeText(report.forecast.topologyBytes),
                             sizeText(report.forecast.temporaryBytes), sizeText(report.temporaryBytes));
-        text += fmt::format("{}, {} distinct values, {} skip levels\n", index::indexKindName(report.info.kind),
-                            report.info.distinctValues, report.info.levels.size());
+        text += fmt::format("{}, {}, {}\n", index::indexKindName(report.info.kind),
+                            counted(report.info.distinctValues, "distinct value"),
+                            counted(report.info.levels.size(), "skip level"));
         if (!built.topologyProblem.empty())
             text += fmt::format("without topology: {}\n", built.topologyProblem);
         else if (withTopology_ && !built.hasEvents)
             text += fmt::format("topology without events and persistence, which take more memory: counts at {} "
-                                "isovalues and curves in {:.2f} s; {}{}\n",
-                                built.events, built.topologySeconds, kOtherWay,
+                                "and curves in {:.2f} s; {}{}\n",
+                                counted(built.events, "isovalue"), built.topologySeconds, kOtherWay,
                                 built.scratchProblem.empty() ? "" : "; no temporary file: " + built.scratchProblem);
         else if (withTopology_)
-            text += fmt::format("{} events of topology in {:.2f} s, {} behind the index\n", built.events,
+            text += fmt::format("{} of topology in {:.2f} s, {} behind the index\n", counted(built.events, "event"),
                                 built.topologySeconds, sizeText(built.topologyBytes));
         if (const std::string lost = resamplingText(built.volume); !lost.empty())
             text += fmt::format("resampled {}\n", lost);

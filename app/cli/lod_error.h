@@ -21,10 +21,15 @@ struct LodError {
 inline std::string optionText(const extract::MergeError& error) {
     return fmt::format("{}{}", error.amount, error.measure == extract::MergeBound::Measure::Distance ? 'c' : '%');
 }
-/// For people: "0.25 cells", "0.5 %".
-inline std::string plainText(const extract::MergeError& error) {
+/// For programs: "0.25 cells", "1 cells", "0.5 %".
+inline std::string unitText(const extract::MergeError& error) {
     return fmt::format("{:g} {}", error.amount,
                        error.measure == extract::MergeBound::Measure::Distance ? "cells" : "%");
+}
+/// For people: "0.25 cells", "1 cell", "0.5 %".
+inline std::string plainText(const extract::MergeError& error) {
+    const bool isOneCell = error.amount == 1.0 && error.measure == extract::MergeBound::Measure::Distance;
+    return isOneCell ? "1 cell" : unitText(error);
 }
 
 } // namespace isoslider::cli

@@ -17,6 +17,7 @@
 #include "app/cli/volume_options_check.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
+#include "core/base/plain_text.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::cli {
@@ -184,7 +185,7 @@ private:
         else if (output_.empty())
             session.output.write(pageOf(volumes, {}));
         else
-            session.output.write(fmt::format("{}: {} volumes\n", output_, volumes.size()));
+            session.output.write(fmt::format("{}: {}\n", output_, counted(volumes.size(), "volume")));
         return {};
     }
 

@@ -17,6 +17,7 @@
 #include "app/cli/volume_options_check.h"
 #include "core/base/folders.h"
 #include "core/base/memory_limit.h"
+#include "core/base/plain_text.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
 #include "core/topology/topology_queries.h"
@@ -68,8 +69,9 @@ std::string tunnelsText(const topology::SurfaceCounts& counts, bool areExact) {
 }
 
 std::string countsText(const topology::SurfaceCounts& counts, bool areExact) {
-    return fmt::format("{} pieces, {} tunnels, {} boundary loops, {} voids, Euler number {}", counts.components,
-                       tunnelsText(counts, areExact), counts.loops, counts.voids, counts.euler);
+    return fmt::format("{}, {}, {}, {}, Euler number {}", counted(counts.components, "piece"),
+                       areExact ? counted(counts.handles(), "tunnel") : "unknown tunnels",
+                       counted(counts.loops, "boundary loop"), counted(counts.voids, "void"), counts.euler);
 }
 
 class TopologyCommand final : public Command {
@@ -221,8 +223,8 @@ private:
         answer.json["event_count"] = eventCountJson(summary);
         answer.json["events"] = Json::array();
         answer.text = !summary.hasEvents() ? std::string()
-                                           : fmt::format("{} events; see --at, --events, --curves and --suggest\n",
-                                                         summary.eventCount());
+                                           : fmt::format("{}; see --at, --events, --curves and --suggest\n",
+                                                         counted(summary.eventCount(), "event"));
         return {};
     }
 
@@ -376,9 +378,10 @@ private:
             answer.json["deaths"] = difference.deaths;
             answer.json["joins"] = difference.joins;
             answer.json["splits"] = difference.splits;
-            answer.text += fmt::format("{} events: pieces come {} times, go {} times, join {} times, split {} times\n",
-                                       difference.events, difference.births, difference.deaths, difference.joins,
-                                       difference.splits);
+            answer.text +=
+                fmt::format("{}: pieces come {}, go {}, join {}, split {}\n", counted(difference.events, "event"),
+                            counted(difference.births, "time"), counted(difference.deaths, "time"),
+                            counted(difference.joins, "time"), counted(difference.splits, "time"));
         }
         if (!summary.curves().isEmpty())
             answer.text += fmt::format("volume between: about {:.5g}\n", difference.volume);

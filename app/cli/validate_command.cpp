@@ -12,6 +12,7 @@
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
 #include "app/cli/volume_options_check.h"
+#include "core/base/plain_text.h"
 #include "core/index/index_reader.h"
 #include "core/index/validation/index_validation.h"
 #include "core/topology/stored_topology_check.h"
@@ -82,7 +83,7 @@ public:
         const std::string verdict =
             validated.value().isSound() ? fmt::format("is sound, but not of {}: ", escapedName(volumePath_)) : "";
         const std::string first = verdict + validated.value().faults().front().line();
-        const std::string more = count > 1 ? fmt::format(", and {} more faults", count - 1) : "";
+        const std::string more = count > 1 ? ", and " + counted(count - 1, "more fault") : "";
         return Outcome::foundFault(makeError(ErrorCode::InvalidArgument, first + more, path_).line());
     }
 
@@ -151,12 +152,12 @@ private:
         const std::string verdict = !validated.isSound()     ? "damaged"
                                     : report.differences > 0 ? "sound, but not of " + escapedName(volumePath_)
                                                              : "sound";
-        text += fmt::format("{}: {}, {} of {} in {} pages", escapedName(path_), verdict, sizeText(report.bytes),
-                            index::indexKindName(report.info.kind), report.pages);
+        text += fmt::format("{}: {}, {} of {} in {}", escapedName(path_), verdict, sizeText(report.bytes),
+                            index::indexKindName(report.info.kind), counted(report.pages, "page"));
         if (report.chunks > 0)
-            text += fmt::format(" and {} chunks", report.chunks);
+            text += " and " + counted(report.chunks, "chunk");
         text += !validated.topology.isThere    ? ", no topology"
-                : validated.topology.hasEvents ? fmt::format(", {} events of topology", validated.topology.events)
+                : validated.topology.hasEvents ? ", " + counted(validated.topology.events, "event") + " of topology"
                                                : ", counts of topology without events";
         if (!isFull_)
             text += "; checksums only (--full: everything)";

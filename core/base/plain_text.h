@@ -17,6 +17,12 @@ inline std::string oneLine(std::string_view text) {
     return out;
 }
 
+/// "1 piece", "2 pieces": how many of what, whose plural takes an s.
+template <class Count>
+std::string counted(Count count, std::string_view what) {
+    return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
+}
+
 /// Short and printable, for messages that quote a file.
 inline std::string inQuotes(std::string_view text) {
     constexpr std::size_t kMost = 60;

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/base/plain_text.h"
+
 namespace isoslider::mesh {
 namespace {
 
@@ -59,10 +61,6 @@ std::string text(std::uint64_t value) { return std::to_string(value); }
 std::string text(std::int64_t value) { return std::to_string(value); }
 std::string text(bool isSo) { return isSo ? "yes" : "no"; }
 std::string text(const glm::dvec3& v) { return text(v.x) + " " + text(v.y) + " " + text(v.z); }
-
-std::string counted(std::uint64_t count, const char* what) {
-    return text(count) + " " + what + (count == 1 ? "" : "s");
-}
 
 std::string joined(const std::vector<std::string>& parts) {
     std::string line;
@@ -217,7 +215,7 @@ std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
 std::string mergingText(const extract::MergeBound& bound, double least, double greatest, int side) {
     if (!(bound.limit > 0.0))
         return {};
-    std::string within = text(bound.limit) + " cells";
+    std::string within = text(bound.limit) + (bound.limit == 1.0 ? " cell" : " cells");
     if (bound.measure == extract::MergeBound::Measure::Scalar) {
         char percent[40];
         std::snprintf(percent, sizeof percent, "%.6g", extract::errorOf(bound, least, greatest).amount);

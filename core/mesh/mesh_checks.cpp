@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "core/base/plain_text.h"
 #include "core/mesh/loop_control.h"
 #include "core/mesh/mesh_import.h"
 #include "core/mesh/open_mesh_adapter.h"
@@ -81,9 +82,9 @@ std::vector<std::string> faultsOf(const MeshReport& report) {
     if (!report.isOriented)
         faults.emplace_back("not consistently oriented");
     if (report.degenerateTriangles > 0)
-        faults.push_back(std::to_string(report.degenerateTriangles) + " degenerate triangles");
+        faults.push_back(counted(report.degenerateTriangles, "degenerate triangle"));
     if (report.duplicateTriangles > 0)
-        faults.push_back(std::to_string(report.duplicateTriangles) + " duplicate triangles");
+        faults.push_back(counted(report.duplicateTriangles, "duplicate triangle"));
     return faults;
 }
 

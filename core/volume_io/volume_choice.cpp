@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMaxNamedComponents = 9; // in one line
 constexpr std::size_t kMaxNamed = 12; // fields in one line
 
-std::string range(std::int64_t count) { return "0 to " + std::to_string(count - 1); }
+std::string range(std::int64_t count) { return count > 1 ? "0 to " + std::to_string(count - 1) : "0 only"; }
 
 std::string nameOf(const VolumeField& field) {
     return inQuotes(field.name) + (field.title.empty() ? "" : " (" + field.title + ")");

@@ -3,6 +3,8 @@
 
 namespace isoslider::test {
 
+using ::testing::HasSubstr;
+
 class CliOutput : public CliTest {
 protected:
     /// Expects that no command replaces `data`, which `volume` is read from, under any of its names.
@@ -133,6 +135,38 @@ TEST_F(CliOutput, NeedsAName) {
     }
     expectRefusal({"report", volume, "--folder", ""}, 2, "the folder has no name");
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"sphere.mha"});
+}
+
+TEST_F(CliOutput, CountsOneThingInTheSingular) {
+    const auto saidBy = [&](const std::vector<std::string>& arguments) {
+        const auto result = run(arguments);
+        return result.standardOutput + result.standardError;
+    };
+    const auto volume = sphereVolume(), index = path("a.isx");
+    EXPECT_THAT(saidBy({"build", volume, "-o", index, "--skip-levels", "1"}), HasSubstr(", 1 skip level\n"));
+    const auto same = folder_.write("same.mha", metaImage(4, "MET_UCHAR", std::string(64, 'a'))).string();
+    EXPECT_THAT(saidBy({"build", same, "-o", path("same.isx")}), HasSubstr("metacells, 1 distinct value, "));
+    EXPECT_THAT(saidBy({"topology", index, "--at", "5"}), HasSubstr("1 piece, 0 tunnels, "));
+    std::string dot(64, '\0');
+    dot[21] = 'a';
+    const auto point = folder_.write("point.mha", metaImage(4, "MET_UCHAR", dot)).string();
+    EXPECT_THAT(saidBy({"topology", point, "--between", "1", "200"}),
+                HasSubstr("1 event: pieces come 0 times, go 1 time,"));
+    EXPECT_THAT(saidBy({"extract", volume, "--isovalue", "5", "--lod-error", "1c"}), HasSubstr("within 1 cell, of"));
+    EXPECT_THAT(saidBy({"extract", volume, "--isovalue", "5", "--component", "9"}), HasSubstr("has component 0 only"));
+    const auto merged = edgesIndex("merged.isx", {"--lod-error", "1c"});
+    EXPECT_THAT(saidBy({"stats", merged}), HasSubstr("error                 1 cell\n"));
+    EXPECT_THAT(saidBy({"report", volume, "--steps", "1", "--index", "metacells", "-o", path("page.md")}),
+                HasSubstr("page.md: 1 volume\n"));
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    EXPECT_THAT(saidBy({"check", folder_.write("flat.obj", corners + "f 1 1 2\n").string()}),
+                HasSubstr("1 degenerate triangle\n"));
+    EXPECT_THAT(saidBy({"check", folder_.write("twice.obj", corners + "f 1 2 3\nf 1 2 3\n").string()}),
+                HasSubstr("1 duplicate triangle\n"));
+    std::string damaged = readText(index);
+    damaged[200] = static_cast<char>(~damaged[200]);
+    folder_.write("damaged.isx", damaged + "x");
+    EXPECT_THAT(saidBy({"validate", path("damaged.isx")}), HasSubstr(", and 1 more fault\n"));
 }
 
 TEST_F(CliOutput, IsTheSameInEveryLocale) {

@@ -215,7 +215,7 @@ TEST_F(CliTopology, DrawsCurvesWhereTheSurfaceWasMeasured) {
         EXPECT_NEAR(curves["triangles"][step].get<double>(), mesh["triangles"].get<double>(), 0.5) << isovalue;
     }
     EXPECT_THAT(run({"topology", volume, "--at", "5"}).standardOutput,
-                testing::StartsWith("isovalue 5: 1 pieces, 0 tunnels, 0 boundary loops, 0 voids, Euler number 2\n"));
+                testing::StartsWith("isovalue 5: 1 piece, 0 tunnels, 0 boundary loops, 0 voids, Euler number 2\n"));
 }
 
 TEST_F(CliTopology, AnswersOtherQuestions) {

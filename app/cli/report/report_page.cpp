@@ -233,7 +233,7 @@ Json stepJson(const VolumeMeasures& volume, const MeasuredStep& step) {
 
 Json errorJson(const VolumeMeasures& volume, const MeasuredError& row) {
     Json json;
-    json["error"] = errorText(row.error);
+    json["error"] = row.error.amount > 0.0 ? unitText(row.error) : "none";
     if (volume.isInMemory)
         json["triangles"] = row.triangles;
     json["triangles_of_slide"] = row.trianglesOfSlide;

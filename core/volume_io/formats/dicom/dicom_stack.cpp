@@ -33,10 +33,6 @@ std::string shortNumber(double value) {
     return text.str();
 }
 
-std::string counted(std::size_t count, std::string_view what) {
-    return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
-}
-
 /// Slices of one group, or of one part of it.
 class Stacker {
 public:
