@@ -211,7 +211,8 @@ private:
         command.add_flag_callback(
             "--no-topology", [this] { withTopology_ = false; },
             "leave out events, counts and curves: topology then analyses the volume");
-        addInteger(command, "--threads", threads_, 1, kMaxThreads, "threads to use (all cores)");
+        addInteger(command, "--threads", threads_, 1, kMaxThreads,
+                   "threads to use, as far as there are cores (all cores)");
         command.add_flag("--resume", resumes_,
                          "go on with an unfinished build of this index, and leave one if this is interrupted");
         addNumber(command, "--checkpoint", checkpointSeconds_,
@@ -244,7 +245,8 @@ private:
 
     Result<topology::TopologyCurve> analysed(const topology::PlaneSource& planes,
                                              const topology::AnalysisOptions& options, const JobControl& job) const {
-        tbb::task_arena arena(threads_ > 0 ? static_cast<int>(threads_) : tbb::task_arena::automatic);
+        const int cores = tbb::this_task_arena::max_concurrency(); // more threads would make TBB complain
+        tbb::task_arena arena(threads_ > 0 ? std::min(static_cast<int>(threads_), cores) : cores);
         try {
             return arena.execute([&] { return topology::analyseTopology(planes, options, job); });
         } catch (const std::bad_alloc&) {

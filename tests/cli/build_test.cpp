@@ -11,6 +11,15 @@ using ::testing::ElementsAre;
 
 class CliBuild : public CliTest {};
 
+TEST_F(CliBuild, UsesNoMoreThreadsThanThereAreCores) {
+    for (const auto* kind : {"metacells", "edges"}) {
+        const auto result =
+            run({"build", sphereVolume(), "-o", path("a.isx"), "--threads", "1024", "--index", kind, "-q"});
+        EXPECT_EQ(result.exitCode, 0);
+        EXPECT_EQ(result.standardError, "") << "none of TBB";
+    }
+}
+
 TEST_F(CliBuild, ReportsWhatItBuilt) {
     const auto volume = sphereVolume();
     const auto json =
