@@ -4,6 +4,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,10 @@ public:
         try {
             parser_.parse(argc, argv);
         } catch (const CLI::Success& request) {
-            parser_.exit(request); // --help or --version, to standard output
-            return {};
+            std::ostringstream text, none;
+            parser_.exit(request, text, none); // --help or --version
+            session_.output.write(text.str());
+            return finish({});
         } catch (const CLI::RequiredError& error) {
             // What is missing may well be what was mistyped: first the command, on which options depend.
             const bool isCommandMissing = parser_.get_subcommands().empty();

@@ -118,6 +118,12 @@ TEST_F(CliOutput, SaysWhenTheDiskBehindItIsFull) {
     const auto result = run({"info", sphereVolume()}, options);
     EXPECT_EQ(result.exitCode, 4);
     EXPECT_EQ(result.standardError, "isoslider-cli: standard output: cannot write: No space left on device\n");
+    for (const std::vector<std::string>& question :
+         {std::vector<std::string>{"--help"}, {"--version"}, {"info", "--help"}, {"build", "-h"}}) {
+        const auto answer = run(question, options);
+        EXPECT_EQ(answer.exitCode, 4) << question[0];
+        EXPECT_EQ(answer.standardError, result.standardError);
+    }
 }
 
 TEST_F(CliOutput, NeedsAName) {
