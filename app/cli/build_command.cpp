@@ -168,8 +168,13 @@ public:
         const JobControl building = withTopology_ ? all.part(0.0, 0.5) : all, analysing = all.part(0.5, 1.0);
         auto report = build(*source.value(), building);
         if (report.isOk() && withTopology_)
-            if (Status added = addTopology(*source.value(), report.value(), analysing); !added.isOk())
+            if (Status added = addTopology(*source.value(), report.value(), analysing); added.isCancelled()) {
+                bar.wipe();
+                return {ExitCode::Interrupted,
+                        fmt::format("interrupted; '{}' is whole, but has no topology", indexPath_)};
+            } else if (!added.isOk()) {
                 report = std::move(added).error();
+            }
         bar.wipe();
         if (!report.isOk())
             return report.error();

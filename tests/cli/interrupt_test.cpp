@@ -109,6 +109,25 @@ TEST_F(CliInterrupt, EndsExtractionToTheFormatOfOpenMesh) {
 }
 
 class CliInterruptKinds : public CliInterrupt, public testing::WithParamInterface<const char*> {};
+// The topology comes last: by then the index is there, and whole.
+TEST_F(CliInterrupt, OfABuildSaysWhetherThereIsAnIndex) {
+    const std::string index = path("rough.isx");
+    const std::vector<std::string> arguments{
+        "build", roughVolume(), "--raw-dims", fmt::format("{0},{0},{0}", kSide), "--raw-type", "u8", "-o", index};
+    milliseconds whole = timeOf(arguments);
+    for (const int part : {1, 6, 7}) {
+        const auto result = interrupt(arguments, part, whole);
+        if (result.exitCode == 0)
+            continue; // all but done when the signal came
+        EXPECT_EQ(result.exitCode, 130);
+        EXPECT_EQ(result.standardError,
+                  std::filesystem::exists(index)
+                      ? fmt::format("isoslider-cli: interrupted; '{}' is whole, but has no topology\n", index)
+                      : "isoslider-cli: interrupted\n");
+        std::filesystem::remove(index);
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, CliInterruptKinds, testing::Values("edges", "metacells"));
 
 TEST_P(CliInterruptKinds, EndASlideThatExports) {
