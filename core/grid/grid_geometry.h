@@ -30,8 +30,6 @@ struct GridGeometry {
     bool isLeftHanded() const;
     /// Affine map from grid index space (units of cells) to world space (units of the file).
     glm::dmat4 indexToWorld() const;
-    /// Turns a unit normal of the grid's own axes (index axes scaled by spacing) into world space.
-    glm::dmat3 normalToWorld() const { return direction; }
 
     bool operator==(const GridGeometry&) const = default;
 };
