@@ -87,10 +87,12 @@ void IsovalueEdit::refuse(const QString& reason) {
 // do when the field has not the keyboard.
 bool IsovalueEdit::event(QEvent* event) {
     if (event->type() == QEvent::ShortcutOverride) {
-        const int key = static_cast<QKeyEvent*>(event)->key();
+        const auto* pressed = static_cast<QKeyEvent*>(event);
+        const int key = pressed->key();
+        const bool isLetter = key >= Qt::Key_A && key <= Qt::Key_Z && key != Qt::Key_E;
         if (key == Qt::Key_Escape)
             event->accept();
-        if (key >= Qt::Key_A && key <= Qt::Key_Z && key != Qt::Key_E) {
+        if (isLetter && (pressed->modifiers() & ~Qt::ShiftModifier) == Qt::NoModifier) { // not to copy, nor to undo
             event->ignore();
             return true;
         }
