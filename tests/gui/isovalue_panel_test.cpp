@@ -2,6 +2,8 @@
 
 #include <QAccessible>
 #include <QAction>
+#include <QClipboard>
+#include <QGuiApplication>
 #include <QLabel>
 #include <QTest>
 #include <QWheelEvent>
@@ -128,6 +130,23 @@ TEST_F(IsovaluePanelTest, LettersThatNoNumberHasGoToTheWindow) {
     QTest::keyClick(&edit(), Qt::Key_Return);
     EXPECT_EQ(isovalue().requested(), -7.0);
     EXPECT_NE(window_->actions().action("view.box")->isChecked(), hadBox);
+}
+
+TEST_F(IsovaluePanelTest, LettersWithControlAreTheFields) {
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("-5"));
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("12"));
+    QTest::keyClick(&edit(), Qt::Key_A, Qt::ControlModifier);
+    EXPECT_EQ(edit().selectedText(), QStringLiteral("12"));
+    QTest::keyClick(&edit(), Qt::Key_C, Qt::ControlModifier);
+    EXPECT_EQ(QGuiApplication::clipboard()->text(), QStringLiteral("12"));
+    QTest::keyClicks(&edit(), QStringLiteral("77"));
+    EXPECT_EQ(edit().text(), QStringLiteral("77"));
+    QTest::keyClick(&edit(), Qt::Key_Z, Qt::ControlModifier);
+    EXPECT_NE(edit().text(), QStringLiteral("77"));
+    EXPECT_EQ(isovalue().requested(), -5.0) << "typing is undone, and no step of the window";
 }
 
 TEST_F(IsovaluePanelTest, ANumberOutOfRangeIsClampedAndShownSo) {

@@ -6,6 +6,7 @@
 #include <QDockWidget>
 #include <QLabel>
 #include <QMenu>
+#include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QTableView>
@@ -332,6 +333,37 @@ TEST_F(MainWindowTest, ABuildCanBeCancelledAndStartedAgain) {
     builder_->holds = false;
     trigger("index.build");
     EXPECT_TRUE(waitUntil([&] { return session_->indexState() == model::IndexState::Ready; }));
+}
+
+TEST_F(MainWindowTest, TheStatusBarShowsWhatIsWorkedOn) {
+    openBall();
+    model::JobModel& jobs = session_->jobs();
+    auto* status = child<QWidget>("jobStatus");
+    auto* text = status->findChild<QToolButton*>();
+    auto* bar = status->findChild<QProgressBar*>();
+    EXPECT_FALSE(status->isVisible());
+    const auto build = jobs.add("Build index of black & white.mha");
+    jobs.setProgress(build, 0.1, "sorting", 100.0);
+    EXPECT_FALSE(status->isVisible()) << "it may be over at once";
+    jobs.setProgress(build, 0.43, "sorting", 900.0);
+    EXPECT_TRUE(status->isVisible());
+    EXPECT_EQ(text->text(), QStringLiteral("Build index of black && white.mha"));
+    EXPECT_TRUE(text->toolTip().contains(QStringLiteral("Sorting · 43 %")));
+    EXPECT_EQ(bar->value(), 430);
+    EXPECT_GT(bar->mapTo(window_.get(), QPoint(bar->width(), 0)).x(), window_->width() - 30);
+    const auto other = jobs.add("Export " + std::string(300, 'x') + ".stl");
+    jobs.setProgress(other, 0.2, "writing", 2000.0);
+    EXPECT_TRUE(text->text().startsWith(QStringLiteral("Export xxx")));
+    EXPECT_TRUE(text->text().endsWith(QStringLiteral(" and 1 more")));
+    EXPECT_GT(text->mapTo(window_.get(), QPoint()).x(), window_->width() / 2) << "names are shortened";
+    auto* dock = child<QDockWidget>("jobsDock");
+    dock->close();
+    QTest::mouseClick(text, Qt::LeftButton);
+    EXPECT_TRUE(dock->isVisible());
+    jobs.finish(other, model::JobState::Finished, "", 3000.0);
+    EXPECT_EQ(bar->value(), 430);
+    jobs.finish(build, model::JobState::Cancelled, "", 3000.0);
+    EXPECT_FALSE(status->isVisible());
 }
 
 TEST_F(MainWindowTest, B108_ClosingTheWindowDuringABuildIsSafe) {

@@ -13,6 +13,7 @@
 #include <QIcon>
 #include <QMimeData>
 #include <QScreen>
+#include <QStatusBar>
 #include <QVBoxLayout>
 
 #include "ui/model/jobs/latest_job.h"
@@ -45,6 +46,7 @@
 #include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/compact_layout.h"
 #include "ui/widgets/window/crop_wiring.h"
+#include "ui/widgets/window/job_status.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
@@ -107,6 +109,12 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     makeToolBar();
     connectActions();
     new TopologyStatus(session_, *this);
+    auto* jobStatus = new JobStatus(session_, this);
+    statusBar()->addPermanentWidget(jobStatus);
+    connect(jobStatus, &JobStatus::clicked, jobsDock_, [this] {
+        jobsDock_->show();
+        jobsDock_->raise();
+    });
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showDataset(); }));
     subscriptions_.push_back(session_.frameChanged().observe([this] { updateActions(); }));
     subscriptions_.push_back(session_.certificateChanged().observe([this] { updateActions(); }));
