@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <span>
 
@@ -106,16 +107,21 @@ Result<LookedCells> lookAt(const PlaneSource& source, const JobControl& job) {
     return found;
 }
 
-/// Without what is rare and far away; the whole where little is left out.
-std::pair<double, double> usualValues(const std::vector<double>& samples, double least, double greatest) {
-    constexpr double kLittle = 0.05;
-    std::vector<ValueCell> cells;
+/// Each value of the samples, which ascend, and how many of them have it.
+std::vector<ValueCell> runsOf(const std::vector<double>& samples) {
+    std::vector<ValueCell> runs;
     for (const double sample : samples) {
-        if (cells.empty() || cells.back().lower != sample)
-            cells.push_back({sample, sample, 0});
-        ++cells.back().count;
+        if (runs.empty() || runs.back().lower != sample)
+            runs.push_back({sample, sample, 0});
+        ++runs.back().count;
     }
-    auto usual = rangeWithoutOutliers(cells);
+    return runs;
+}
+
+/// Without what is rare and far away; the whole where little is left out.
+std::pair<double, double> usualValues(std::span<const ValueCell> runs, double least, double greatest) {
+    constexpr double kLittle = 0.05;
+    auto usual = rangeWithoutOutliers(runs);
     const double little = kLittle * (usual.second - usual.first);
     if (!(usual.first - least > little))
         usual.first = least;
@@ -124,22 +130,17 @@ std::pair<double, double> usualValues(const std::vector<double>& samples, double
     return usual;
 }
 
-/// Values that many of the samples, which ascend, have: those that most have.
-std::vector<double> frequentValues(const std::vector<double>& samples) {
-    std::vector<std::pair<std::size_t, double>> found; // how often, and what
-    const auto many = kManySamples * static_cast<double>(samples.size());
-    for (std::size_t first = 0, next = 0; first < samples.size(); first = next) {
-        while (next < samples.size() && samples[next] == samples[first])
-            ++next;
-        if (static_cast<double>(next - first) >= many)
-            found.push_back({next - first, samples[first]});
-    }
-    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
-        return a.first != b.first ? a.first > b.first : a.second < b.second;
+/// Those that at least so many samples have: those that most have.
+std::vector<double> frequentValues(std::span<const ValueCell> runs, double many) {
+    std::vector<ValueCell> found;
+    std::copy_if(runs.begin(), runs.end(), std::back_inserter(found),
+                 [many](const ValueCell& run) { return static_cast<double>(run.count) >= many; });
+    std::sort(found.begin(), found.end(), [](const ValueCell& a, const ValueCell& b) {
+        return a.count != b.count ? a.count > b.count : a.lower < b.lower;
     });
     std::vector<double> values;
     for (std::size_t i = 0; i < std::min(kMostJumps, found.size()); ++i)
-        values.push_back(found[i].second);
+        values.push_back(found[i].lower);
     return values;
 }
 
@@ -154,7 +155,8 @@ Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double
     if (!looked.isOk())
         return looked.error();
     const std::vector<double>& samples = looked.value().samples;
-    plan.usual = samples.empty() ? std::pair(least, greatest) : usualValues(samples, least, greatest);
+    const std::vector<ValueCell> runs = runsOf(samples);
+    plan.usual = samples.empty() ? std::pair(least, greatest) : usualValues(runs, least, greatest);
     if (!isMeasurable(plan.usual.first, plan.usual.second)) // most samples have one value: the others are what there is
         plan.usual = {least, greatest};
     const auto [low, high] = plan.usual;
@@ -173,7 +175,7 @@ Result<MeasurePlan> planMeasures(const PlaneSource& source, double least, double
         addEvenly(high, greatest, kIsovaluesBeyond);
     for (std::size_t i = 0; i < kIsovalues && !samples.empty(); ++i)
         plan.isovalues.push_back(samples[(2 * i + 1) * samples.size() / (2 * kIsovalues)]);
-    for (const double value : frequentValues(samples))
+    for (const double value : frequentValues(runs, kManySamples * static_cast<double>(samples.size())))
         plan.isovalues.insert(plan.isovalues.end(), {value, nextAbove(value)});
     if (isMeasurable(least, high))
         plan.isovalues.push_back(nextAbove(least));
