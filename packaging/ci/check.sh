@@ -98,7 +98,7 @@ check_format() {
 # --- clang-tidy -------------------------------------------------------------------------------------
 
 # Of what the last commits changed, the newest first: some seconds each, so no more than a few minutes' worth.
-readonly TIDY_COMMITS=12 MAX_TIDY_FILES=32
+readonly TIDY_COMMITS=12 MAX_TIDY_FILES=16
 
 check_tidy() {
   local files database=build/tidy/compile_commands.json

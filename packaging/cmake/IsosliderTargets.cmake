@@ -55,18 +55,19 @@ function(isoslider_join_files target)
   set_source_files_properties(${joined} PROPERTIES COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# isoslider_library(NAME SOURCES ... [HEADERS ...] [APART ...])
+# isoslider_library(NAME SOURCES ... [HEADERS ...] [APART ...] [FUZZED])
 # APART: sources that a joined build compiles by themselves, because of a name in an unnamed namespace, an instantiation of
 # members of a class that another file instantiates whole, or their own options, or as they include themselves.
+# FUZZED: a part of what fuzz targets call, whose branches libFuzzer counts.
 function(isoslider_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;APART" ${ARGN})
+  cmake_parse_arguments(ARG "FUZZED" "" "SOURCES;HEADERS;APART" ${ARGN})
   add_library(isoslider_${name} STATIC ${ARG_SOURCES})
   isoslider_join_files(isoslider_${name} ${ARG_APART})
   add_library(Isoslider::${name} ALIAS isoslider_${name})
   target_sources(isoslider_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
   target_include_directories(isoslider_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(isoslider_${name} PRIVATE isoslider_options)
-  if(ISOSLIDER_FUZZERS) # libFuzzer's counters; it itself is linked where its programs are: see tests/fuzz
+  if(ISOSLIDER_FUZZERS AND ARG_FUZZED) # libFuzzer itself is linked where its programs are: see tests/fuzz
     target_compile_options(isoslider_${name} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
   target_compile_features(isoslider_${name} PUBLIC cxx_std_20)
@@ -79,10 +80,12 @@ if(NOT ISOSLIDER_SANITIZER STREQUAL "")
 endif()
 
 # Tests optimise little: they compile twice as fast so, and what most of them wait for is the libraries' work; with
-# COMPUTE, they compute much themselves.
+# COMPUTE, they compute much themselves. (Clang inlines nothing with -O1.)
 function(isoslider_test_options target)
-  if(ISOSLIDER_SANITIZER STREQUAL "" OR "COMPUTE" IN_LIST ARGN)
+  if(ISOSLIDER_SANITIZER STREQUAL "")
     target_compile_options(${target} PRIVATE -O1)
+  elseif("COMPUTE" IN_LIST ARGN)
+    target_compile_options(${target} PRIVATE -O2)
   else()
     target_compile_options(${target} PRIVATE -O0)
   endif()
@@ -94,7 +97,7 @@ endfunction()
 #                    [SANITIZERS_SKIP patterns])
 # One executable of GoogleTest cases. Each is registered with its labels, or, without ISOSLIDER_TEST_CASES, SHARDS tests (1)
 # that share all cases between them. Under sanitizers those of SANITIZERS_SKIP are left out then: what repeats many times
-# over what other cases do once, and tests that are labelled "long" are of no preset with sanitizers.
+# over what other cases do once, and tests that are labelled "long" or "shared" are of no preset with sanitizers, nor built then.
 function(isoslider_add_test name)
   cmake_parse_arguments(ARG "NO_MAIN;COMPUTE" "TIMEOUT;SHARDS" "LABELS;SOURCES;LIBRARIES;SANITIZERS_SKIP" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -104,12 +107,16 @@ function(isoslider_add_test name)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  if(NOT ISOSLIDER_SANITIZER STREQUAL "" AND NOT ISOSLIDER_TEST_CASES AND ARG_LABELS MATCHES "long|shared")
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})
   if(NOT ARG_NO_MAIN)
     target_link_libraries(${name} PRIVATE GTest::gtest_main)
   endif()
   if(ARG_COMPUTE AND NOT ISOSLIDER_SANITIZER STREQUAL "") # Clang wants precompiled headers optimised alike
     isoslider_test_options(${name} COMPUTE)
+    target_precompile_headers(${name} REUSE_FROM isoslider_compute_test_headers)
   else()
     isoslider_test_options(${name})
     target_precompile_headers(${name} REUSE_FROM isoslider_test_headers)

@@ -1,5 +1,7 @@
 #include "core/index/lazy_levels.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <filesystem>
@@ -97,22 +99,24 @@ protected:
         Totals totals;
         for (std::uint64_t brick = 0; brick < grid.brickCount(); ++brick) {
             const auto at = grid.brickCoords(BrickIndex(static_cast<std::uint32_t>(brick)));
-            int count = 0;
-            const auto isHere = [&](int a, std::int64_t place, int beyondLast) {
-                return place >= kBrickSide * at[a] &&
-                       place + beyondLast <= std::min<std::int64_t>(dims[a] - 1, kBrickSide * (at[a] + 1));
-            };
-            for (std::size_t p = 0; p < samples.size(); ++p) {
-                const std::int64_t place[] = {static_cast<std::int64_t>(p) % dims[0],
-                                              static_cast<std::int64_t>(p) / dims[0] % dims[1],
-                                              static_cast<std::int64_t>(p) / (dims[0] * dims[1])};
-                for (int axis = 0; axis < 3; ++axis)
-                    if (isHere(0, place[0], axis == 0) && isHere(1, place[1], axis == 1) &&
-                        isHere(2, place[2], axis == 2)) {
-                        const std::uint64_t a = samples[p], b = samples[p + strides[axis]];
-                        count += ((a >= beyond) != (b >= beyond) ? 1 : 0) - ((a >= before) != (b >= before) ? 1 : 0);
-                    }
+            std::array<std::int64_t, 3> first{}, last{}; // of its grid points
+            for (int axis = 0; axis < 3; ++axis) {
+                first[axis] = kBrickSide * at[axis];
+                last[axis] = std::min<std::int64_t>(dims[axis] - 1, first[axis] + kBrickSide);
             }
+            int count = 0;
+            for (std::int64_t z = first[2]; z <= last[2]; ++z)
+                for (std::int64_t y = first[1]; y <= last[1]; ++y)
+                    for (std::int64_t x = first[0]; x <= last[0]; ++x) {
+                        const std::int64_t place[] = {x, y, z};
+                        const auto p = static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z));
+                        for (int axis = 0; axis < 3; ++axis)
+                            if (place[axis] < last[axis]) {
+                                const std::uint64_t a = samples[p], b = samples[p + strides[axis]];
+                                count +=
+                                    ((a >= beyond) != (b >= beyond) ? 1 : 0) - ((a >= before) != (b >= before) ? 1 : 0);
+                            }
+                    }
             if (count != 0)
                 totals[brick] = count;
         }
