@@ -27,22 +27,22 @@ using test::IsOk;
 constexpr std::uint64_t kLittleMemory = 3 << 20;
 
 template <class Sample, class Draw>
-ScalarGrid gridOf(ScalarType type, const Draw& draw, int depth = 60) {
+ScalarGrid gridOf(ScalarType type, const Draw& draw, int width = 40) {
     GridGeometry geometry;
-    geometry.dims = {40, 40, depth};
+    geometry.dims = {width, width, 60};
     std::vector<Sample> samples;
-    for (int z = 0; z < depth; ++z)
-        for (int y = 0; y < 40; ++y)
-            for (int x = 0; x < 40; ++x)
+    for (int z = 0; z < 60; ++z)
+        for (int y = 0; y < width; ++y)
+            for (int x = 0; x < width; ++x)
                 samples.push_back(static_cast<Sample>(draw(x, y, z)));
     return ScalarGrid::fromValues<Sample>(geometry, type, samples);
 }
 
-ScalarGrid noise(int depth = 60) {
+ScalarGrid noise(int width = 40) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
     return gridOf<float>(
-        ScalarType::F32, [&](int, int, int) { return unit(random); }, depth);
+        ScalarType::F32, [&](int, int, int) { return unit(random); }, width);
 }
 
 enum class Ties { None, Some }; ///< where isovalues repeat, any of several places may be stated
@@ -114,9 +114,10 @@ AnalysisOptions littleMemory(const ScalarGrid& grid, const test::TemporaryFolder
 // A file that fails is done without: here that is too little memory for events.
 TEST(ScratchAnalysis, MakesCountsWhereTheFileFails) {
     using Fails = test::FaultyFileSystem::Fails;
-    const ScalarGrid grid = noise(24);
+    const ScalarGrid grid = noise(20); // a quarter of it, as the whole is analysed again and again
     const test::TemporaryFolder folder;
     AnalysisOptions options = littleMemory(grid, folder);
+    options.memoryBytes = kLittleMemory / 4;
     for (const Fails fails : {Fails::Writing, Fails::Reading}) {
         int failed = 0;
         for (int call = 0; call < INT_MAX; call += 1 + 3 * call) {
