@@ -97,7 +97,7 @@ endfunction()
 #                    [SANITIZERS_SKIP patterns])
 # One executable of GoogleTest cases. Each is registered with its labels, or, without ISOSLIDER_TEST_CASES, SHARDS tests (1)
 # that share all cases between them. Under sanitizers those of SANITIZERS_SKIP are left out then: what repeats many times
-# over what other cases do once, and tests that are labelled "long" or "shared" are of no preset with sanitizers, nor built then.
+# over what other cases do once, and tests that are labelled "long" or "shared" are neither built nor run under the address sanitizer.
 function(isoslider_add_test name)
   cmake_parse_arguments(ARG "NO_MAIN;COMPUTE" "TIMEOUT;SHARDS" "LABELS;SOURCES;LIBRARIES;SANITIZERS_SKIP" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -107,7 +107,7 @@ function(isoslider_add_test name)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  if(NOT ISOSLIDER_SANITIZER STREQUAL "" AND NOT ISOSLIDER_TEST_CASES AND ARG_LABELS MATCHES "long|shared")
+  if(ISOSLIDER_SANITIZER STREQUAL "asan-ubsan" AND NOT ISOSLIDER_TEST_CASES AND ARG_LABELS MATCHES "long|shared")
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
   endif()
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})

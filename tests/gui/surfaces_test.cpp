@@ -199,6 +199,24 @@ TEST_F(SurfacesTest, EachEntryOfTheListsMenuHasALetterOfItsOwn) {
     EXPECT_GE(letters.size(), 4u);
 }
 
+// Qt has something to say of editors that are gone, and what Qt says is a failure.
+TEST_F(SurfacesTest, ANameThatIsEnteredWhileTheListChangesIsLostQuietly) {
+    open();
+    addAt(-6.0);
+    QTest::keyClick(window_.get(), Qt::Key_F2);
+    auto* editor = table()->findChild<QLineEdit*>();
+    ASSERT_NE(editor, nullptr);
+    editor->setText(QStringLiteral("Bone"));
+    QTest::keyClick(editor, Qt::Key_Return);
+    surfaces().add(-3.0); // before Qt tells the list about the key
+    QCoreApplication::processEvents();
+    for (const auto& surface : all())
+        EXPECT_NE(surface.name, "Bone");
+    QTest::keyClick(window_.get(), Qt::Key_F2);
+    editor = table()->findChild<QLineEdit*>();
+    ASSERT_NE(editor, nullptr) << "the next one opens";
+}
+
 TEST_F(SurfacesTest, F2RenamesAndColourAndOpacityAreOfTheActiveOne) {
     open();
     addAt(-6.0);

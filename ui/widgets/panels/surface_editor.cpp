@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <QAbstractItemDelegate>
 #include <QAction>
 #include <QColorDialog>
 #include <QHeaderView>
@@ -33,6 +34,23 @@ QIcon swatchOf(const QColor& colour) {
     return QIcon(picture);
 }
 
+/// Of an editor that Enter was pressed in, Qt says so only when events are handled next. If the surfaces are others by
+/// then (another volume is there), it is hidden and about to be deleted, and nothing is left to be named by it.
+class SurfaceRows : public QTableView {
+public:
+    using QTableView::QTableView;
+
+protected:
+    void commitData(QWidget* editor) override {
+        if (!editor->isHidden())
+            QTableView::commitData(editor);
+    }
+    void closeEditor(QWidget* editor, QAbstractItemDelegate::EndEditHint hint) override {
+        if (!editor->isHidden())
+            QTableView::closeEditor(editor, hint);
+    }
+};
+
 } // namespace
 
 SurfaceEditor::SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, QWidget* parent)
@@ -57,7 +75,7 @@ void SurfaceEditor::setTableActions(const QList<QAction*>& actions) {
 }
 
 void SurfaceEditor::makeTable(const Texts& texts) {
-    view_ = new QTableView(this);
+    view_ = new SurfaceRows(this);
     view_->setObjectName(objectNames_ + QStringLiteral("Table"));
     view_->setAccessibleName(texts.accessibleName);
     view_->setModel(table_);

@@ -1,5 +1,7 @@
 #include "ui/widgets/window/job_status.h"
 
+#include <algorithm>
+
 #include <QHBoxLayout>
 #include <QProgressBar>
 #include <QToolButton>
@@ -52,7 +54,7 @@ void JobStatus::showJobs() {
                    more);
     text_->setToolTip(plainTip(title + u'\n' + QString::fromStdString(model::runningText(*shown))));
     text_->setAccessibleName(tr("Show jobs: %1").arg(title + more));
-    bar_->setValue(qRound(shown->fraction * 1000.0));
+    bar_->setValue(qRound(std::max(0.0, shown->fraction) * 1000.0)); // negative: unknown
 }
 
 } // namespace isoslider::widgets
