@@ -1,5 +1,6 @@
 // What a build takes of memory, measured on the real program.
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -118,8 +119,11 @@ TEST_F(CliMemory, TopologyThatTakesMoreIsPutOffToTheDisk) {
 TEST_F(CliMemory, TopologyTakesEightBytesASampleWhateverTheBudget) {
     constexpr std::uint64_t kSide = 224, kBytes = 8 * kSide * kSide * kSide;
     writeField<std::uint16_t>(path("volume.raw"), kSide, Field::Noise);
+    ProcessOptions patient; // twenty seconds beside another test
+    patient.timeout = std::chrono::minutes(2);
     const auto result = run({"build", path("volume.raw"), "--raw-dims", "224,224,224", "--raw-type", "u16", "-o",
-                             path("a.isx"), "--memory", "2G", "--json"});
+                             path("a.isx"), "--memory", "2G", "--json"},
+                            patient);
     EXPECT_EQ(result.exitCode, 0) << result.standardError;
     EXPECT_LT(result.peakRssBytes, kBytes + kBytes / 10 + 64 * kMiB);
     EXPECT_GT(OrderedJson::parse(result.standardOutput)["topology_events"], 1'000'000);
