@@ -98,11 +98,11 @@ TEST_F(CliMemory, EdgesOfFloatingPointNoiseAreBuiltWithinTheBudget) {
     expectBudgetKept<double>("f64", 200, Field::Noise, "edges", {"--no-topology"});
 }
 
-// Distinct values take 60 MB, samples 60 MB as i32 and 120 MB as f64. Of the topology of noise: see below.
+// Distinct values take 60 MB, samples 60 MB as i32 and 120 MB as f64.
 TEST_F(CliMemory, MetacellsAreBuiltWithinTheBudgetWhateverTheType) {
     expectBudgetKept<std::int16_t>("i16", 250, Field::Hills, "metacells");
-    expectBudgetKept<std::int32_t>("i32", 250, Field::Noise, "metacells", {"--no-topology"});
-    expectBudgetKept<double>("f64", 250, Field::Noise, "metacells", {"--no-topology"});
+    expectBudgetKept<std::int32_t>("i32", 250, Field::Noise, "metacells");
+    expectBudgetKept<double>("f64", 250, Field::Noise, "metacells");
 }
 
 // Its events would take some 500 MB.
