@@ -52,7 +52,8 @@ BoundaryPart BoundaryPart::of(const LayerWindow<Sample>& window) {
     // Held twice while they grow the first and the last plane's would be half as large again.
     std::array<std::int64_t, 256> counts{};
     for (std::int64_t at = 0; at < owned; ++at)
-        ++counts[window.stars[static_cast<std::size_t>(at)]];
+        if (const CellStar star = window.stars[static_cast<std::size_t>(at)]; star != kWholeStar) // nearly all are
+            ++counts[star];
     std::size_t points = 0, edges = 0;
     for (unsigned star = 1; star < kWholeStar; ++star) {
         points += static_cast<std::size_t>(counts[star]);

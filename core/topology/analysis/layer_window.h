@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <stop_token>
 #include <vector>
 
@@ -38,6 +39,9 @@ public:
     std::vector<Sample> samples; ///< from plane `firstPlane` on
     std::vector<CellStar> stars; ///< of the layer's grid points
     HigherNeighbours higher; ///< of the planes from `firstPlane` to zEnd
+    /// By row of the layer's grid points: whether all samples in it and in the rows round it are equal. Nothing happens
+    /// there, so that backgrounds and labels take little time.
+    std::vector<std::uint8_t> flatRows;
     std::stop_token stop; ///< once asked for, what is found in the layer no longer matters
 
     std::int64_t rowStep() const { return dims[0]; }
@@ -62,9 +66,14 @@ public:
     /// The layer's samples: element 0 is its first grid point. Planes before and after it are there too.
     const Sample* layer() const { return samples.data() + inPlanes(0); }
 
-    /// Fills `stars` and `higher`. O(points).
+    bool isFlat(std::int64_t y, std::int64_t z) const {
+        return flatRows[static_cast<std::size_t>(dims[1] * (z - zBegin) + y)] != 0;
+    }
+
+    /// Fills `stars`, `higher` and `flatRows`. O(points).
     void prepare() {
         findStars();
+        findFlatRows();
         const std::int64_t planes = zEnd + 1 - firstPlane;
         higher.find(samples.data(), dims, planes, false,
                     static_cast<std::int64_t>(samples.size()) > planes * planeStep());
@@ -76,6 +85,7 @@ private:
     void findStars();
     void findStarsOfBox();
     void findStarsWithMissing();
+    void findFlatRows();
 };
 
 template <class Sample>
@@ -135,6 +145,31 @@ void LayerWindow<Sample>::findStarsWithMissing() {
                             stars[static_cast<std::size_t>(x + (c & 1) + nx * (y + (c >> 1)) + step * (z - zBegin))] |=
                                 static_cast<CellStar>(1u << (7 - (c | dz << 2)));
         }
+    }
+}
+
+template <class Sample>
+void LayerWindow<Sample>::findFlatRows() {
+    const std::int64_t nx = dims[0], ny = dims[1];
+    const std::int64_t rows = static_cast<std::int64_t>(samples.size()) / nx;
+    const auto rowAt = [&](std::int64_t row) { return samples.data() + nx * row; };
+    std::vector<std::uint8_t> isConstant(static_cast<std::size_t>(rows));
+    for (std::int64_t row = 0; row < rows; ++row)
+        isConstant[static_cast<std::size_t>(row)] =
+            !isMissing(*rowAt(row)) &&
+            std::memcmp(rowAt(row), rowAt(row) + 1, static_cast<std::size_t>(nx - 1) * sizeof(Sample)) == 0;
+    const std::int64_t firstRow = ny * (zBegin - firstPlane);
+    flatRows.resize(static_cast<std::size_t>(ny * (zEnd - zBegin + 1)));
+    for (std::size_t i = 0; i < flatRows.size(); ++i) {
+        const std::int64_t row = firstRow + static_cast<std::int64_t>(i), y = row % ny;
+        bool isFlat = true;
+        for (const std::int64_t plane : {-ny, std::int64_t{0}, ny})
+            for (std::int64_t dy = y > 0 ? -1 : 0; dy <= (y + 1 < ny ? 1 : 0); ++dy) {
+                const std::int64_t other = row + plane + dy;
+                isFlat = isFlat && (other < 0 || other >= rows ||
+                                    (isConstant[static_cast<std::size_t>(other)] != 0 && *rowAt(other) == *rowAt(row)));
+            }
+        flatRows[i] = isFlat;
     }
 }
 

@@ -84,7 +84,8 @@ public:
                 shift_ = window_.shift(strip_, z);
                 passCellsBefore(z);
                 for (std::int64_t y = strip_.yBegin; y < strip_.yEnd; ++y)
-                    scanCells(y, z);
+                    if (!window_.isFlat(y, z))
+                        scanCells(y, z);
             }
         }
         found_.euler = sums_.take();
@@ -140,12 +141,13 @@ private:
     // What cells of the layer below add at its top faces, which are this layer's.
     void passCellsBelow() {
         for (std::int64_t y = strip_.yBegin; y < strip_.yEnd; ++y)
-            passRow(placeOf(y, window_.zBegin - 1), 5, plane_, 0x08, &passedZ_[along(row_ * (y - strip_.yBegin))]);
+            if (!window_.isFlat(y, window_.zBegin))
+                passRow(placeOf(y, window_.zBegin - 1), 5, plane_, 0x08, &passedZ_[along(row_ * (y - strip_.yBegin))]);
     }
     // The same of the strip before.
     void passCellsBefore(std::int64_t z) {
         std::fill(passedY_.begin(), passedY_.end(), std::int8_t{0});
-        if (strip_.yBegin > 0)
+        if (strip_.yBegin > 0 && !window_.isFlat(strip_.yBegin, z))
             passRow(placeOf(strip_.yBegin - 1, z), 3, row_, 0x20, passedY_.data());
     }
     // Of cells in a row that begins at `start`; `step`: to the points beyond the face; `before`: the cell on this side

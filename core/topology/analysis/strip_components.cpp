@@ -1,5 +1,6 @@
 #include "core/topology/analysis/strip_components.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <span>
@@ -129,7 +130,7 @@ private:
             };
             const Neighbours inStrip = inside(inPlane == 0, 2) & inside(inPlane + row_ == plane_, 3) &
                                        inside(plane == 0, 4) & inside(plane + 1 == planes_, 5);
-            for (std::int64_t at = first; at < first + row_; ++at) {
+            const auto find = [&](std::int64_t at) {
                 const Neighbours higher = window_.higher.at(window_.inPlanes(at + rowShift));
                 const Neighbours earlier = (kSide == Side::Above ? higher : ~higher) & inStrip &
                                            tables.existing[window_.stars[static_cast<std::size_t>(at + rowShift)]];
@@ -138,7 +139,16 @@ private:
                 leadsTo_[static_cast<std::size_t>(at)] = to < at ? leadsTo(to) : static_cast<std::uint32_t>(to);
                 meetings_[count] = {static_cast<std::uint32_t>(at), tables.apart[earlier]};
                 count += tables.apart[earlier] != 0 ? 1 : 0;
+            };
+            if (window_.isFlat(strip_.yBegin + inPlane / row_, window_.zBegin + plane)) {
+                // Equal points lead along the row, to one end of it.
+                const std::int64_t end = kSide == Side::Above ? first + row_ - 1 : first;
+                find(end);
+                std::fill_n(leadsTo_.begin() + static_cast<std::ptrdiff_t>(first), row_, leadsTo(end));
+                continue;
             }
+            for (std::int64_t at = first; at < first + row_; ++at)
+                find(at);
         }
         meetings_.resize(count);
     }
@@ -177,15 +187,14 @@ private:
                                   window_.firstPoint() + place});
             }
         });
-        for (std::uint32_t at = 0; at < count; ++at)
-            if ((leadsTo_[at] & kIsNumber) == 0)
-                leadsTo_[at] = leadsTo_[leadsTo_[at]];
         forEachPoint([&](std::uint32_t at, std::size_t place) {
-            if (leadsTo_[at] == kNoSeed)
+            const std::uint32_t to = leadsTo_[at];
+            if (to == kNoSeed)
                 return;
-            leadsTo_[at] &= ~kIsNumber;
+            const std::uint32_t seed = ((to & kIsNumber) != 0 ? to : leadsTo_[to]) & ~kIsNumber;
+            leadsTo_[at] = seed;
             if (kSide == Side::Below && window_.stars[place] != kWholeStar)
-                reachBoundary(seeds_[leadsTo_[at]], static_cast<double>(samples_[place]));
+                reachBoundary(seeds_[seed], static_cast<double>(samples_[place]));
         });
     }
     static void reachBoundary(Seed& seed, double isovalue) {

@@ -121,6 +121,10 @@ MeasureSums measureStrip(const LayerWindow<Sample>& window, const Strip& strip, 
         for (std::int64_t y = strip.yBegin; y < strip.yEnd && !window.stop.stop_requested(); ++y) {
             const std::int64_t start = row * y + plane * (z - window.zBegin);
             const Sample* const s = window.layer() + start;
+            if (window.isFlat(y, z)) {
+                found.cellsAbove[finder.reached(static_cast<double>(*s))] += static_cast<std::uint64_t>(nx - 1);
+                continue;
+            }
             for (std::int64_t x = 0; x + 1 < nx; ++x) {
                 const auto pair = [&](std::int64_t at, auto pick) { return pick(s[at + x], s[at + x + 1]); };
                 const auto four = [&](auto pick) {

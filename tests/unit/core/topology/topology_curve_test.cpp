@@ -77,6 +77,45 @@ TEST(TopologyOfTies, IsTheSameInAnyParts) {
     }
 }
 
+// Rows of equal samples are passed over; of the other grid, the same turned round, no row is equal throughout.
+TEST(TopologyOfFlatParts, IsThatOfTheSameGridWithoutFlatRows) {
+    constexpr std::int64_t kSide = 14;
+    for (unsigned seed = 1; seed <= 8; ++seed) {
+        std::mt19937 random(seed);
+        std::vector<double> samples(kSide * kSide * kSide, 3.0), turned = samples;
+        const auto at = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+            return static_cast<std::size_t>(x + kSide * (y + kSide * z));
+        };
+        for (std::int64_t y = 0; y < kSide; ++y)
+            for (std::int64_t z = 0; z < kSide; ++z)
+                samples[at(0, y, z)] = static_cast<double>(random() % 6);
+        for (unsigned i = 0; i < 3 * seed; ++i)
+            samples[at(random() % kSide, random() % kSide, kSide / 2 + random() % 3)] =
+                seed % 3 == 0 && i % 4 == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                            : static_cast<double>(random() % 6);
+        for (std::int64_t z = 0; z < kSide; ++z)
+            for (std::int64_t y = 0; y < kSide; ++y)
+                for (std::int64_t x = 0; x < kSide; ++x)
+                    turned[at(z, y, x)] = samples[at(x, y, z)];
+        const test::TopologyGrid varied = test::makeTopologyGrid(samples, {kSide, kSide, kSide}, "varied rows"),
+                                 flat = test::makeTopologyGrid(turned, {kSide, kSide, kSide}, "flat rows");
+        const TopologyCurve expected = curveOf(varied);
+        ASSERT_FALSE(expected.events().empty());
+        for (const std::int64_t planes : {3, 5, 100})
+            for (const std::int64_t rows : {1, 3, 100}) {
+                AnalysisOptions parts;
+                parts.planesAtOnce = planes;
+                parts.rowsAtOnce = rows;
+                expectSameEvents(curveOf(flat, parts), expected);
+                if (HasFatalFailure())
+                    return;
+            }
+        for (const double isovalue : {0.5, 1.5, 2.5, 3.0, 3.5, 4.5})
+            if (seed % 3 != 0)
+                expectCounts(flat, expected, isovalue);
+    }
+}
+
 class EveryKindOfGrid : public testing::TestWithParam<int> {};
 
 TEST_P(EveryKindOfGrid, HasTheCountsOfTheOracleAtAndBetweenAllEvents) {
