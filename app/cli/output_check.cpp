@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/base/build_leftovers.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
+#include "core/base/read_conflict.h"
 #include "core/mesh/mesh_export.h"
 
 namespace isoslider::cli {
@@ -20,23 +22,23 @@ Outcome isTheInput(const fs::path& output) {
 }
 
 // What is written before it takes the output's name replaces a file just as well.
-Outcome checkPartial(const fs::path& output, const fs::path& file) {
+Outcome isTheInputFirst(const fs::path& output) {
     const auto target = linkTarget(output);
-    if (!target.isOk() || !isSameFile(partialPath(target.value()), file))
-        return {};
-    return Outcome::wrongUsage(makeError(ErrorCode::InvalidArgument,
-                                         fmt::format("is written as '{}' first, which is the input; choose another "
-                                                     "output",
-                                                     partialPath(target.value()).string()),
-                                         output.string())
-                                   .line());
+    return Outcome::wrongUsage(
+        makeError(ErrorCode::InvalidArgument,
+                  fmt::format("is written as '{}' first, which is the input; choose another output",
+                              partialPath(target.isOk() ? target.value() : output).string()),
+                  output.string())
+            .line());
 }
 
-bool isBelow(const fs::path& file, const fs::path& folder) {
-    for (fs::path above = file.parent_path(); above.has_relative_path(); above = above.parent_path())
-        if (isSameFile(above, folder))
-            return true;
-    return false;
+Outcome outcomeOf(ReadConflict conflict, const fs::path& output) {
+    switch (conflict) {
+        case ReadConflict::Itself: return isTheInput(output);
+        case ReadConflict::Partial: return isTheInputFirst(output);
+        case ReadConflict::None: break;
+    }
+    return {};
 }
 
 } // namespace
@@ -45,6 +47,13 @@ Outcome checkOutput(const fs::path& output, const fs::path& input) {
     const Error here = makeError(ErrorCode::IoError, "", output.string());
     if (output.empty())
         return Outcome::wrongUsage("the output has no name");
+    if (const auto index = indexOfLeftover(output))
+        return Outcome::wrongUsage(
+            makeError(ErrorCode::InvalidArgument,
+                      fmt::format("has the name of a part of the index '{}'; choose another output",
+                                  index->filename().string()),
+                      output.string())
+                .line());
     ISO_CLI_TRY(checkNotRead(output, {input}));
     if (isFolder(output))
         return makeError(ErrorCode::IoError, "is a directory; give a file name", output.string());
@@ -68,20 +77,13 @@ Outcome tryOutput(const fs::path& output) {
 }
 
 Outcome checkNotRead(const fs::path& output, const std::vector<fs::path>& files) {
-    for (const fs::path& file : files) {
-        if (isSameFile(output, file))
-            return isTheInput(output);
-        ISO_CLI_TRY(checkPartial(output, file));
-    }
-    return {};
+    return outcomeOf(conflictWith(output, files), output);
 }
 
 Outcome checkNotRead(const fs::path& output, const fs::path& volume, const io::VolumeInfo& info) {
     ISO_CLI_TRY(checkNotRead(output, {volume}));
-    if (isFolder(volume) && info.dataFiles.empty()) { // too many to be listed: each file in the folder may be one
-        const auto file = canonicalPath(output);
-        return file.isOk() && isPresent(output) && isBelow(file.value(), volume) ? isTheInput(output) : Outcome();
-    }
+    if (isFolder(volume) && info.dataFiles.empty()) // too many to be listed: each file in the folder may be one
+        return outcomeOf(conflictWithFolder(output, volume), output);
     return checkNotRead(output, info.dataFiles);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "core/base/build_leftovers.h"
 #include "core/base/file_system.h"
 #include "core/base/folders.h"
 #include "core/base/guarded.h"
@@ -23,6 +24,7 @@ Status checkInput(const fs::path& path, bool isRaw) {
     const auto file = defaultFileSystem().openForReading(path);
     if (!file.isOk())
         return file.error();
+    ISO_TRY(checkIsNoLeftover(path));
     if (!isRaw && file.value()->sizeBytes() == 0)
         return makeError(ErrorCode::InvalidArgument, "is empty", path);
     return {};

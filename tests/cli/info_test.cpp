@@ -119,6 +119,18 @@ TEST_F(CliInfo, RefusesGridsThatCannotBe) {
     expectRefusal({"info", path("a.raw"), "--raw-dims", "4,4,4", "--raw-type", "float128"}, 2, "u16");
 }
 
+TEST_F(CliInfo, RefusesWhatABuildLeftBehind) {
+    const std::string said = "is a part of the index 'a.isx', not a volume";
+    for (const char* name : {"a.isx.resume", "a.isx.partial", "a.isx.sort.partial", "a.isx.levels"}) {
+        folder_.write(name, std::string(4096, 'x'));
+        expectRefusal({"info", path(name)}, 3, said);
+        expectRefusal({"info", path(name), "--raw-dims", "16,16,16", "--raw-type", "u8"}, 3, said);
+        expectRefusal({"extract", path(name), "--isovalue", "1"}, 3, said);
+        expectRefusal({"build", path(name), "-o", path("b.isx")}, 3, said);
+    }
+    expectRefusal({"info", path("b.isx.resume")}, 4, "b.isx.resume");
+}
+
 TEST_F(CliInfo, RefusesWhatIsNotThereOrNoVolume) {
     expectRefusal({"info", path("missing.mha")}, 4, "missing.mha");
     folder_.write("empty.mha", "");

@@ -84,6 +84,13 @@ TEST_F(CliOutput, NeverReplacesTheInputByAnUnfinishedOutput) {
     EXPECT_TRUE(std::filesystem::exists(path("sphere.isx.partial")));
 }
 
+TEST_F(CliOutput, NeverTakesTheNameOfAPartOfAnIndex) {
+    for (const char* name : {"a.isx.resume", "a.isx.partial", "a.isx.levels"}) {
+        expectRefusal({"build", sphereVolume(), "-o", path(name)}, 2, "has the name of a part of the index 'a.isx'");
+        EXPECT_FALSE(std::filesystem::exists(path(name)));
+    }
+}
+
 // It may be what the page would replace, if it could be opened.
 TEST_F(CliOutput, KeepsAPageWhereAVolumeCannotBeOpened) {
     const auto volume = detachedSphere("short.mhd", "page.md");

@@ -277,5 +277,14 @@ TEST_F(RawImportTest, AnyFileCanBeImported) {
     EXPECT_EQ(session_->dataset(), nullptr);
 }
 
+TEST_F(OpenFlowTest, WhatABuildLeftBehindIsNoVolume) {
+    drop(folder_.write("scan.isx.resume", std::string(4096, 'x')));
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    const QString said = window_->messageBar().text();
+    EXPECT_TRUE(said.contains(QStringLiteral("is a part of the index 'scan.isx', not a volume"))) << said.toStdString();
+    EXPECT_EQ(session_->dataset(), nullptr);
+    keepPicture(*window_, "open_leftover");
+}
+
 } // namespace
 } // namespace isoslider::test

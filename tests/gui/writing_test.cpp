@@ -3,6 +3,7 @@
 #include <QImage>
 #include <QTest>
 
+#include "core/volume_io/volume_reader.h"
 #include "tests/gui/sync_watch.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
@@ -99,6 +100,47 @@ TEST_F(WritingTest, APictureThatCannotBeWrittenIsTold) {
     trigger("file.saveImage");
     ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("could not be saved")));
+}
+
+TEST_F(WritingTest, NoOutputReplacesAFileOfTheOpenVolume) {
+    const auto volume = folder_ / "ball.mha";
+    const auto before = fs::file_size(volume);
+    const auto link = folder_ / "link.ply";
+    fs::create_symlink(volume, link);
+    const auto index = folder_ / "index.stl";
+    fs::create_symlink(session_->dataset()->indexPath, index);
+    for (const auto& output : {link, index}) {
+        window_->messageBar().hide();
+        dialogs_.answers.push_back(qpath(output));
+        trigger("mesh.export");
+        ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); })) << output;
+        const QString said = window_->messageBar().text();
+        EXPECT_TRUE(said.startsWith(QStringLiteral("The mesh was not exported"))) << said.toStdString();
+        EXPECT_TRUE(said.contains(QStringLiteral("is a file that the open volume is read from; choose another name")))
+            << said.toStdString();
+    }
+    keepPicture(*window_, "export_onto_volume");
+    EXPECT_EQ(fs::file_size(volume), before);
+    EXPECT_TRUE(io::readVolume(volume).isOk());
+}
+
+// Of a header with a data file beside it both are read.
+TEST_F(WritingTest, NoMeshReplacesTheDataFileBesideAHeader) {
+    const auto header = folder_.write("parts.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\n"
+                                                   "ElementType = MET_UCHAR\nElementDataFile = parts.ply\n");
+    std::string samples(8 * 8 * 8, '\0');
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = static_cast<char>(i % 8);
+    folder_.write("parts.ply", samples);
+    window_->openFile(qpath(header));
+    ASSERT_TRUE(waitUntil([this] { return session_->isSettled() && session_->dataset()->name == "parts.mhd"; }));
+    window_->messageBar().hide();
+    dialogs_.answers.push_back(qpath(folder_ / "parts.ply"));
+    trigger("mesh.export");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("the open volume is read from")))
+        << window_->messageBar().text().toStdString();
+    EXPECT_EQ(fs::file_size(folder_ / "parts.ply"), samples.size());
 }
 
 TEST(PictureFile, IsWrittenInTheFormatOfItsSuffix) {

@@ -9,6 +9,8 @@
 #include "core/mesh/mesh_export.h"
 #include "core/topology/index_topology.h"
 #include "ui/model/isovalue/histogram_model.h"
+#include "ui/model/isovalue/number_text.h"
+#include "ui/model/session/read_files.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -428,8 +430,9 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
     const bool isWhole = !part;
     runner_->run<mesh::Certificate>(
         "Export " + path.filename().string(),
-        [take = std::move(take), source = SourceOfMesh(*dataset_), path,
-         part = std::move(part)](const JobControl& job) -> Result<mesh::Certificate> {
+        [take = std::move(take), source = SourceOfMesh(*dataset_), path, part = std::move(part),
+         read = ReadFiles({&*dataset_, second_->dataset()})](const JobControl& job) -> Result<mesh::Certificate> {
+            ISO_TRY(read.checkNotReplacedBy(path));
             job.report(0.05, "Taking the surface");
             auto surface = take(job);
             if (!surface.isOk())

@@ -50,6 +50,13 @@ Result<VolumeStamp> VolumeStamp::of(const fs::path& volume, const std::vector<fs
     return stamp;
 }
 
+std::vector<fs::path> VolumeStamp::files() const {
+    std::vector<fs::path> files;
+    for (const StampedFile& file : files_)
+        files.push_back(root_ / file.path);
+    return files;
+}
+
 bool VolumeStamp::looksLike(const VolumeStamp& other) const {
     return std::equal(files_.begin(), files_.end(), other.files_.begin(), other.files_.end(),
                       [](const StampedFile& a, const StampedFile& b) {

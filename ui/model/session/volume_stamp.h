@@ -28,6 +28,8 @@ public:
                                   const std::vector<std::filesystem::path>& dataFiles = {});
 
     const std::filesystem::path& volume() const { return volume_; }
+    /// Absolute. REQUIRES: the stamp was taken, not read from a text.
+    std::vector<std::filesystem::path> files() const;
     /// Sizes and times are those of `other`, of files that had settled.
     bool looksLike(const VolumeStamp& other) const;
     /// The same names and sizes, wherever the volume lies: worth comparing bytes.
