@@ -68,7 +68,7 @@ const char* reasonText(SuggestionReason reason) {
         case SuggestionReason::WidestInterval: return "middle of the widest interval without a persistent event";
         case SuggestionReason::StrongestGradient: return "greatest mean gradient on the surface, weighed by its size";
         case SuggestionReason::LargestPiece: return "just beyond the most persistent event of a piece";
-        case SuggestionReason::HalfVolume: return "encloses half of the volume";
+        case SuggestionReason::HalfVolume: return "half of the volume is above it";
     }
     return "";
 }

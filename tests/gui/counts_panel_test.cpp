@@ -1,5 +1,7 @@
 // What the panel states of the surface, against what is counted on its mesh.
 
+#include <QAction>
+#include <QComboBox>
 #include <QLabel>
 #include <QtTest>
 
@@ -72,6 +74,28 @@ TEST_F(CountsPanelTest, SaysWhatIsStillToCome) {
     session_->close();
     EXPECT_TRUE(waitUntil([&] { return hint->text() == QLatin1String("No volume is open."); }));
     EXPECT_TRUE(fact("surfaceCounts", "Pieces").isEmpty());
+}
+
+TEST_F(CountsPanelTest, StatesMeasuresWithTheirUnits) {
+    openCones();
+    const auto measure = [this](const char* name) {
+        return fact("surfaceMeasures", name).replace(QChar(QChar::Nbsp), QLatin1Char(' '));
+    };
+    EXPECT_TRUE(measure("Area").endsWith(QStringLiteral(" units²"))) << measure("Area").toStdString();
+    EXPECT_TRUE(measure("Volume above").endsWith(QStringLiteral(" units³")));
+    EXPECT_TRUE(measure("Mean gradient").endsWith(QStringLiteral(" per unit")))
+        << measure("Mean gradient").toStdString();
+}
+
+// Of the region above the isovalue, which a mesh need not enclose.
+TEST_F(CountsPanelTest, TheVolumeAboveHasOneNameEverywhere) {
+    openCones();
+    auto* curve = window_->findChild<QAction*>(QStringLiteral("curve.volume"));
+    ASSERT_NE(curve, nullptr);
+    EXPECT_EQ(curve->text().remove(u'&'), QStringLiteral("Volume Above"));
+    const auto* quantities = child<QComboBox>("findQuantity");
+    EXPECT_GE(quantities->findText(QStringLiteral("Volume above")), 0);
+    EXPECT_LT(quantities->findText(QStringLiteral("Enclosed"), Qt::MatchContains), 0);
 }
 
 TEST_F(CountsPanelTest, IsInFront) {

@@ -82,7 +82,7 @@ const char* nameOf(QueryQuantity quantity) {
         case QueryQuantity::Voids: return "voids";
         case QueryQuantity::Loops: return "boundary loops";
         case QueryQuantity::Area: return "area";
-        case QueryQuantity::Volume: return "enclosed volume";
+        case QueryQuantity::Volume: return "volume above";
     }
     return "";
 }

@@ -18,11 +18,13 @@ std::string valueInUnit(QueryQuantity quantity, double value, const std::string&
     return isCount(quantity) ? countText(value) : inUnit(valueText(value, 5), unit, lengthPower(quantity));
 }
 
-// "7 pieces", "an area of 12 mm²"
+// "7 pieces", "an area of 12 mm²", "a volume of 12 mm³ above it"
 std::string wantedText(const IsovalueQuery& query, const std::string& unit) {
     const std::string value = valueInUnit(query.quantity, query.value, unit), name = nameOf(query.quantity);
     if (isCount(query.quantity))
         return value + " " + (query.value == 1.0 ? name.substr(0, name.size() - 1) : name);
+    if (query.quantity == QueryQuantity::Volume)
+        return "a volume of " + value + " above it";
     return "an " + name + " of " + value;
 }
 

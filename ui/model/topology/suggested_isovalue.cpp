@@ -24,7 +24,7 @@ std::vector<SuggestedIsovalue> suggestedIsovalues(const std::vector<topology::Su
             std::none_of(suggested.begin(), suggested.end(), hasReason))
             suggested.push_back({suggestedAs(isovalue, range), reason});
     };
-    // Where the enclosed volume stays the same for a while, many isovalues have one reason.
+    // Where the volume above stays the same for a while, many isovalues have one reason.
     for (const topology::Suggestion& one : ofTopology)
         add(one.isovalue, topology::reasonText(one.reason));
     if (ofHistogram)

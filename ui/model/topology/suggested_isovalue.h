@@ -9,7 +9,7 @@
 
 namespace isoslider::model {
 
-/// An isovalue worth a look, and why: "encloses half of the volume".
+/// An isovalue worth a look, and why: "half of the volume is above it".
 struct SuggestedIsovalue {
     double isovalue = 0.0;
     std::string reason; ///< empty: it was asked for
@@ -36,7 +36,7 @@ inline constexpr double kFewWholeValues = 16.0;
 std::vector<SuggestedIsovalue> suggestedIsovalues(const std::vector<topology::Suggestion>& ofTopology,
                                                   std::optional<double> ofHistogram, const SuggestedRange& range);
 
-/// "1200: encloses half of the volume"
+/// "1200: half of the volume is above it"
 std::string suggestionText(const SuggestedIsovalue& suggested);
 
 } // namespace isoslider::model

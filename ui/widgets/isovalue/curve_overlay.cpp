@@ -33,8 +33,7 @@ constexpr std::array<CurveName, model::kTopologyQuantities> kNames{
     {{"pieces", QT_TRANSLATE_NOOP("CurveOverlay", "&Pieces"), QT_TRANSLATE_NOOP("CurveOverlay", "pieces")},
      {"tunnels", QT_TRANSLATE_NOOP("CurveOverlay", "&Tunnels"), QT_TRANSLATE_NOOP("CurveOverlay", "tunnels")},
      {"area", QT_TRANSLATE_NOOP("CurveOverlay", "&Area"), QT_TRANSLATE_NOOP("CurveOverlay", "area")},
-     {"volume", QT_TRANSLATE_NOOP("CurveOverlay", "Enclosed &Volume"),
-      QT_TRANSLATE_NOOP("CurveOverlay", "enclosed volume")},
+     {"volume", QT_TRANSLATE_NOOP("CurveOverlay", "&Volume Above"), QT_TRANSLATE_NOOP("CurveOverlay", "volume above")},
      {"triangles", QT_TRANSLATE_NOOP("CurveOverlay", "T&riangles"), QT_TRANSLATE_NOOP("CurveOverlay", "triangles")},
      {"gradient", QT_TRANSLATE_NOOP("CurveOverlay", "Mean &Gradient"),
       QT_TRANSLATE_NOOP("CurveOverlay", "mean gradient")}}};
@@ -175,8 +174,7 @@ QString CurveOverlay::valueText(TopologyQuantity quantity, double value) const {
     switch (quantity) {
         case TopologyQuantity::Area: return inLengthUnit(number, unit, 2);
         case TopologyQuantity::Volume: return inLengthUnit(number, unit, 3);
-        case TopologyQuantity::Gradient:
-            return unit.empty() ? tr("%1 per unit").arg(number) : tr("%1 per %2").arg(number, fromStd(unit));
+        case TopologyQuantity::Gradient: return perLengthUnit(number, unit);
         default: break;
     }
     // Of curves, so between two samples: no whole number, and bounded in case of a damaged file.

@@ -171,7 +171,7 @@ void ComparePage::showSides(const model::Comparison& comparison) {
         };
         rows.push_back(
             {tr("Area"), inUnit(comparison.measuresBefore->area, 2), inUnit(comparison.measuresAfter->area, 2)});
-        rows.push_back({tr("Enclosed volume"), inUnit(comparison.measuresBefore->volume, 3),
+        rows.push_back({tr("Volume above"), inUnit(comparison.measuresBefore->volume, 3),
                         inUnit(comparison.measuresAfter->volume, 3)});
     }
     const auto count = static_cast<int>(rows.size());

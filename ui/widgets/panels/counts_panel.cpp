@@ -55,14 +55,16 @@ std::vector<Fact> measureFacts(const model::Session& session, double isovalue) {
         if (!value)
             return;
         const QString number = QStringLiteral("≈ ") + fromStd(model::measureText(*value, kMeasureFigures));
-        facts.push_back({name, power > 0 ? inLengthUnit(number, unit, power) : number, tip});
+        facts.push_back({name, power > 0 ? inLengthUnit(number, unit, power) : perLengthUnit(number, unit), tip});
     };
     add(TopologyQuantity::Area, CountsPanel::tr("Area"), 2,
         CountsPanel::tr("Without merged cells, to some tenths of a percent; Check Mesh measures the mesh"));
     add(TopologyQuantity::Volume, CountsPanel::tr("Volume above"), 3,
-        CountsPanel::tr("Of the region where samples are above the isovalue, to some tenths of a percent"));
+        CountsPanel::tr(
+            "Of the region where samples are above the isovalue, up to the volume's sides, to some tenths of "
+            "a percent; Check Mesh measures what a closed surface encloses"));
     add(TopologyQuantity::Gradient, CountsPanel::tr("Mean gradient"), 0,
-        CountsPanel::tr("Change of the value per length, on the surface: the larger, the sharper its border"));
+        CountsPanel::tr("Change of the value per unit of length, on the surface: the larger, the sharper its border"));
     return facts;
 }
 

@@ -43,6 +43,11 @@ QString inLengthUnit(const QString& number, const std::string& unit, int power) 
            kPowers[static_cast<std::size_t>(power - 1)];
 }
 
+QString perLengthUnit(const QString& number, const std::string& unit) {
+    const QString text = unit.empty() ? tr("%1 per unit").arg(number) : tr("%1 per %2").arg(number, fromStd(unit));
+    return QString(text).replace(QLatin1Char(' '), QChar(QChar::Nbsp));
+}
+
 std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit) {
     const auto withUnit = [&](const QString& text) { return unit.empty() ? text : inLengthUnit(text, unit); };
     const QString tip = unit.empty() ? tr("The file does not state its unit of length") : QString();

@@ -30,5 +30,7 @@ std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& 
 QString countText(const extract::SurfaceFrame& frame, std::uint64_t count);
 /// "12.5 mm²": a number in a power of the unit of length, 1 to 3; "12.5 units²" where that is not known.
 QString inLengthUnit(const QString& number, const std::string& unit, int power = 1);
+/// "12.5 per mm": of a gradient, whose scalars have no unit; "12.5 per unit" where that of length is not known.
+QString perLengthUnit(const QString& number, const std::string& unit);
 
 } // namespace isoslider::widgets

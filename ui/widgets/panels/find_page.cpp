@@ -34,7 +34,7 @@ QString titleOf(model::QueryQuantity quantity) {
         case model::QueryQuantity::Voids: return FindPage::tr("Voids");
         case model::QueryQuantity::Loops: return FindPage::tr("Boundary loops");
         case model::QueryQuantity::Area: return FindPage::tr("Area");
-        case model::QueryQuantity::Volume: return FindPage::tr("Enclosed volume");
+        case model::QueryQuantity::Volume: return FindPage::tr("Volume above");
     }
     return {};
 }

@@ -101,7 +101,9 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::strin
         {tr("Genus"), hasGenus ? grouped(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
         {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
         {tr("Enclosed volume"), report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"),
-         unitTip},
+         tr("Inside a closed mesh. The volume above the isovalue, which the sides of the box may bound as well, is among "
+            "the counts") +
+             (unit.empty() ? QLatin1Char('\n') + unitTip : QString())},
         {tr("Degenerate triangles"), grouped(report.degenerateTriangles), tr("Zero area or a repeated vertex")},
         {tr("Duplicate triangles"), grouped(report.duplicateTriangles), {}},
         {tr("Nudged vertices"), nudgeText(certificate.nudge, unit),
