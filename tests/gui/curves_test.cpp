@@ -7,6 +7,8 @@
 #include <QToolButton>
 
 #include "tests/gui/topology_fixture.h"
+#include "ui/widgets/isovalue/histogram_plot.h"
+#include "ui/widgets/isovalue/isovalue_panel.h"
 #include "ui/widgets/window/settings_store.h"
 
 namespace isoslider::test {
@@ -70,6 +72,31 @@ TEST_F(CurvesTest, OfMeasuresAreThereOnceTheyAreKnown) {
     EXPECT_NE(legend().find("triangles (log): 500,001"), std::string::npos) << legend();
     topology().setFailed("gone");
     EXPECT_EQ(legend(), "") << "what is chosen is not shown of nothing";
+}
+
+// Neither what is drawn nor the tag of the handle.
+TEST_F(CurvesTest, TheLegendCoversNothing) {
+    const auto& plot = window_->isovaluePanel().plot();
+    auto* label = child<QLabel>("curveLegend");
+    const int before = plot.axisRect()->height();
+    toggle("pieces");
+    toggle("tunnels");
+    QTest::qWait(50);
+    ASSERT_TRUE(label->isVisible());
+    const int tag = label->fontMetrics().height();
+    EXPECT_LE(label->geometry().bottom(), plot.axisRect()->top() - tag);
+    EXPECT_TRUE(plot.rect().contains(label->geometry()));
+    keepPicture(*window_, "curves_legend");
+    window_->resize(500, 900); // in lines
+    QTest::qWait(100);
+    EXPECT_LE(label->geometry().bottom(), plot.axisRect()->top() - tag);
+    EXPECT_TRUE(plot.rect().contains(label->geometry()));
+    keepPicture(*window_, "curves_legend_narrow");
+    window_->resize(1400, 900);
+    toggle("pieces");
+    toggle("tunnels");
+    QTest::qWait(50);
+    EXPECT_EQ(plot.axisRect()->height(), before) << "its room is the plot's again";
 }
 
 TEST_F(CurvesTest, ChoicesAreKept) {

@@ -166,6 +166,39 @@ TEST_F(HistogramTest, ThePointerReadsValueCountAndShare) {
     EXPECT_FALSE(readout()->isVisible());
 }
 
+// A step of the outline holds several bins where they are narrower than its columns.
+TEST_F(HistogramTest, ThePointerReadsTheCountOfTheStepThatIsDrawn) {
+    openOutlier();
+    trigger("isovalue.wholeRange");
+    trigger("isovalue.resetZoom");
+    window_->resize(700, 900); // few columns
+    QTest::qWait(50);
+    for (const double value : {600.0, 700.0, 823.0}) {
+        move(onPlot(value), Qt::NoButton);
+        const double place = plot().xAxis->pixelToCoord(onPlot(value).x());
+        const auto begin = plot().graph(0)->data()->findBegin(place); // the point before it
+        const QString count = QLocale(QLocale::English).toString(static_cast<qlonglong>(std::llround(begin->value)));
+        EXPECT_TRUE(readout()->text().contains(QStringLiteral("  ·  %1 sample").arg(count)))
+            << readout()->text().toStdString() << " where " << count.toStdString() << " are drawn";
+    }
+    keep("histogram_readout_narrow");
+}
+
+TEST_F(HistogramTest, TheReadoutLeavesTheLabelsOfTheAxesLegible) {
+    openOutlier();
+    for (const int width : {1400, 420}) {
+        window_->resize(width, 900);
+        QTest::qWait(50);
+        const QRect axes = plot().axisRect()->rect();
+        for (const int x : {axes.left() + 12, axes.center().x() - 3, axes.center().x() + 3, axes.right() - 12}) {
+            move({x, axes.center().y()}, Qt::NoButton);
+            ASSERT_TRUE(readout()->isVisible());
+            EXPECT_TRUE(axes.adjusted(0, 0, 1, 0).contains(readout()->geometry())) << width << " at " << x;
+        }
+        keep(width < 500 ? "histogram_readout_wrapped" : "histogram_readout_wide");
+    }
+}
+
 TEST_F(HistogramTest, WholeNumbersStepByOneAndShowFewDigits) {
     openBytes();
     ASSERT_TRUE(plot().hasFocus()) << "the keys slide at once";

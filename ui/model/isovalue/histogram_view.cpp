@@ -95,6 +95,7 @@ HistogramView::Outline HistogramView::cellOutline(const ValueScale& scale, doubl
                                                   int columns) const {
     Outline outline;
     outline.counts.assign(static_cast<std::size_t>(columns), 0.0);
+    outline.isShared = !values_->isEachValue || values_->spacing > 0.0;
     const double width = (upperPlace - lowerPlace) / columns;
     for (int column = 0; column <= columns; ++column)
         outline.places.push_back(lowerPlace + width * column);
@@ -185,6 +186,47 @@ std::optional<HistogramView::Readout> HistogramView::readout(double value) const
         }
     }
     out.shareBelow = countAll > 0.0 ? below / countAll : 0.0;
+    return out;
+}
+
+// Of whole numbers and of values that are known, the first and the last that a step has.
+void HistogramView::narrowToSamples(Readout& readout) const {
+    if (values_->spacing == 1.0) {
+        const double first = std::ceil(readout.lower), last = std::ceil(readout.upper) - 1.0;
+        if (first <= last) {
+            readout.lower = first;
+            readout.upper = last;
+        }
+        return;
+    }
+    if (!values_->isEachValue)
+        return;
+    const auto& cells = values_->cells;
+    const auto at = [&](double value) {
+        return std::lower_bound(cells.begin(), cells.end(), value,
+                                [](const ValueCell& cell, double v) { return cell.lower < v; });
+    };
+    const auto first = at(readout.lower), end = at(readout.upper);
+    if (std::distance(first, end) == 1)
+        readout.lower = readout.upper = first->lower;
+}
+
+std::optional<HistogramView::Readout> HistogramView::readout(const Outline& outline, const ValueScale& scale,
+                                                             double place) const {
+    auto out = readout(scale.valueAt(place));
+    const auto end = std::upper_bound(outline.places.begin(), outline.places.end(), place);
+    if (!out || end == outline.places.begin() || end == outline.places.end())
+        return out;
+    const double lower = scale.valueAt(*std::prev(end)), upper = scale.valueAt(*end);
+    const bool isOfOneValue = out->lower == out->upper && upper - lower < 1.5 * values_->spacing;
+    if (isOfOneValue || !std::isfinite(lower) || !std::isfinite(upper))
+        return out;
+    const auto column = static_cast<std::size_t>(std::distance(outline.places.begin(), end)) - 1;
+    out->lower = lower;
+    out->upper = upper;
+    out->count = static_cast<std::uint64_t>(std::llround(std::min(outline.counts[column], 9e18)));
+    out->isExact = out->isExact && !outline.isShared;
+    narrowToSamples(*out);
     return out;
 }
 

@@ -41,6 +41,7 @@ public:
     struct Outline {
         std::vector<double> places;
         std::vector<double> counts;
+        bool isShared = false; ///< what covers several columns is shared out among them: counts are about
     };
     Outline outline(const ValueScale& scale, double lowerPlace, double upperPlace, int columns) const;
     /// The height that a linear axis of counts needs: where a few counts tower above all others, what the others need.
@@ -59,6 +60,9 @@ public:
         bool isExact = true;
     };
     std::optional<Readout> readout(double value) const;
+    /// The same of the step of `outline` at a place of `scale`: what is stated is what is drawn there. Where several
+    /// steps are of one value, of that.
+    std::optional<Readout> readout(const Outline& outline, const ValueScale& scale, double place) const;
 
     /// The sample value nearest to `value`, where values are known: whole numbers, or a few others.
     std::optional<double> nearestSample(double value) const;
@@ -71,6 +75,7 @@ private:
     std::uint64_t weighted(double count) const;
     Outline bodyOutline(double lower, double upper, int columns) const;
     Outline cellOutline(const ValueScale& scale, double lowerPlace, double upperPlace, int columns) const;
+    void narrowToSamples(Readout& readout) const;
 
     std::shared_ptr<const ValueDistribution> values_;
 };

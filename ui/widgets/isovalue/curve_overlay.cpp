@@ -24,6 +24,9 @@ namespace {
 
 using model::TopologyQuantity;
 
+constexpr int kFrame = 2; // of the plot that has the keyboard
+constexpr int kLowestPlot = 110; // below it, there is no room for a legend
+
 struct CurveName {
     const char* key; ///< in the settings
     const char* text;
@@ -195,29 +198,32 @@ void CurveOverlay::showLegend() {
         entries << QStringLiteral("<span style=\"color:%1\">■</span>&nbsp;%2")
                        .arg(curve.graph->pen().color().name(), entry);
     });
-    legend_->setVisible(!entries.isEmpty());
     legend_->setText(entries.join(QStringLiteral(" &nbsp; ")));
     placeLegend();
 }
 
-// At the right end, where most histograms are low.
+// Above the plot, where it covers neither data nor marks. In a low plot it gives way to them.
 void CurveOverlay::placeLegend() {
-    const QRect rect = plot_.axisRect()->rect();
+    const int left = plot_.axisRect()->left(), width = std::max(1, plot_.width() - left - kFrame);
     legend_->setWordWrap(false);
     QSize size = legend_->sizeHint();
-    if (size.width() > rect.width()) {
+    if (size.width() > width) {
         legend_->setWordWrap(true);
-        size = {rect.width(), legend_->heightForWidth(rect.width())};
+        size = {width, legend_->heightForWidth(width)};
     }
-    legend_->setGeometry(rect.right() - size.width(), rect.top() + 1, size.width(), size.height());
+    // Of the same curves as high as it ever was: the plot does not jump when a number gets longer.
+    if (std::exchange(placed_, {drawn_, width}) != std::pair(drawn_, width))
+        room_ = 0;
+    room_ = std::max(room_, kFrame + size.height());
+    const bool isShown = !legend_->text().isEmpty() && plot_.height() - room_ >= kLowestPlot;
+    legend_->setGeometry(left, kFrame, size.width(), size.height());
+    legend_->setVisible(isShown);
+    plot_.setRoomAbove(isShown ? room_ : 0);
 }
 
 void CurveOverlay::applyPalette() {
     forEachQuantity(
         [this](TopologyQuantity quantity) { curveOf(quantity).graph->setPen(curvePen(quantity, plot_.palette())); });
-    QColor background = plot_.palette().color(QPalette::Base);
-    background.setAlpha(185);
-    legend_->setStyleSheet(QStringLiteral("background: %1").arg(background.name(QColor::HexArgb)));
 }
 
 bool CurveOverlay::eventFilter(QObject* watched, QEvent* event) {

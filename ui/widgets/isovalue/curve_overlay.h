@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <QObject>
@@ -24,8 +25,8 @@ namespace isoslider::widgets {
 class HistogramPlot;
 class SettingsStore;
 
-/// Curves over the histogram: pieces, tunnels, area, enclosed volume, triangles and gradient against the isovalue, each
-/// scaled to its own greatest value. A legend on the plot gives their values at the handle.
+/// Curves over the histogram: pieces, tunnels, area, volume above, triangles and gradient against the isovalue, each
+/// scaled to its own greatest value. A legend above the plot gives their values at the handle.
 class CurveOverlay : public QObject {
     Q_OBJECT
 public:
@@ -63,6 +64,8 @@ private:
     QLabel* legend_;
     std::array<Curve, model::kTopologyQuantities> curves_;
     QStringList drawn_; ///< as they were chosen
+    std::pair<QStringList, int> placed_; ///< of which curves the legend was, and how wide it might be
+    int room_ = 0; ///< above the plot, for those
     std::vector<model::Subscription> subscriptions_;
 };
 

@@ -16,6 +16,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kAside = 8;
+constexpr int kBelowStars = 16; // of suggested isovalues, at the upper edge
 constexpr int kLowestHintHeight = 48; // below it, there is room for the handle alone
 
 QString textOf(double value) { return fromStd(model::valueText(value, 6)); }
@@ -129,8 +130,7 @@ void HistogramHints::place(QToolButton& button, bool isShown, const QString& tex
 
 QString HistogramHints::readoutText(double pixel) const {
     const double value = plot_.valueAtPixel(pixel);
-    const auto& view = plot_.view();
-    const auto readout = view.readout(value);
+    const auto readout = plot_.readoutAt(pixel);
     if (!readout)
         return {};
     const double resolution = plot_.resolutionAt(value);
@@ -160,12 +160,18 @@ void HistogramHints::showReadout(double pixel) {
     if (text.isEmpty())
         return;
     readout_->setText(text);
-    readout_->adjustSize();
     const QRect rect = plot_.axisRect()->rect();
+    readout_->setWordWrap(false);
+    QSize size = readout_->sizeHint();
+    if (size.width() > rect.width()) { // the labels of the axes stay legible
+        readout_->setWordWrap(true);
+        size = {rect.width(), readout_->heightForWidth(rect.width())};
+    }
     const int x = static_cast<int>(pixel);
-    const bool isLeft = x > rect.center().x();
-    const int wanted = isLeft ? x - kAside - readout_->width() : x + kAside;
-    readout_->move(std::clamp(wanted, 0, std::max(0, plot_.width() - readout_->width())), rect.top() + 2);
+    const int wanted = x > rect.center().x() ? x - kAside - size.width() : x + kAside;
+    const int below = rect.height() > kBelowStars + 2 * size.height() ? kBelowStars : 2;
+    readout_->setGeometry(std::clamp(wanted, rect.left(), std::max(rect.left(), rect.right() + 1 - size.width())),
+                          rect.top() + below, size.width(), size.height());
     readout_->raise();
 }
 

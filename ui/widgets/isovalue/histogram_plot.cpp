@@ -25,6 +25,7 @@ constexpr int kMostTowers = 4;
 constexpr std::size_t kColumnsBetweenTowers = 30;
 constexpr double kTooFarApart = 0.05; // of the axis: a line between such points would be made up
 constexpr int kMostTicks = 9;
+constexpr int kTagHeight = 23; // of the handle's tag, above the axes
 constexpr int kLowHeight = 90; // below it, there is room for the curve but not for its scale
 constexpr std::size_t kMostStops = 1 << 17;
 constexpr double kLeastEdgeBins = 12.0; // a curve of fewer points in view would be made up
@@ -50,8 +51,8 @@ HistogramPlot::HistogramPlot(QWidget* parent)
 void HistogramPlot::setUpAxes() {
     plotLayout()->setMargins(QMargins(0, 0, 4, 0));
     axisRect()->setAutoMargins(QCP::msLeft | QCP::msRight | QCP::msBottom);
-    axisRect()->setMargins(QMargins(0, 23, 0, 0));
-    axisRect()->setMinimumMargins(QMargins(44, 23, 44, 0));
+    axisRect()->setMargins(QMargins(0, kTagHeight, 0, 0));
+    axisRect()->setMinimumMargins(QMargins(44, kTagHeight, 44, 0));
     axisRect()->setRangeDrag(Qt::Orientations());
     counts_ = addGraph(xAxis, yAxis);
     counts_->setLineStyle(QCPGraph::lsStepLeft);
@@ -98,6 +99,17 @@ void HistogramPlot::setUpHandle() {
     emptyHint_->position->setCoords(0.5, 0.5);
 }
 
+void HistogramPlot::setRoomAbove(int pixels) {
+    if (pixels == roomAbove())
+        return;
+    QMargins margins = axisRect()->margins();
+    margins.setTop(kTagHeight + pixels);
+    axisRect()->setMargins(margins);
+    replot(QCustomPlot::rpQueuedReplot); // lays out
+}
+
+int HistogramPlot::roomAbove() const { return axisRect()->margins().top() - kTagHeight; }
+
 void HistogramPlot::setValues(std::shared_ptr<const ValueDistribution> given,
                               const std::vector<std::uint64_t>& activeEdges) {
     if (hasHistogram_ && given.get() == &view_.values() && activeEdges == activeEdgeCounts_)
@@ -131,6 +143,7 @@ void HistogramPlot::setValues(std::shared_ptr<const ValueDistribution> given,
 void HistogramPlot::clearHistogram() {
     hasHistogram_ = false;
     view_ = {};
+    outline_ = {};
     min_ = max_ = requested_ = displayed_ = 0.0;
     activeEdgeCounts_.clear();
     sampleValues_.reset();
@@ -203,8 +216,9 @@ void HistogramPlot::setChosenEvent(std::optional<std::size_t> event) {
 void HistogramPlot::applyOutline() {
     if (!hasHistogram_)
         return;
-    const auto outline = view_.outline(scale_, xAxis->range().lower, xAxis->range().upper,
-                                       std::max(1, axisRect()->width() / kPixelsPerColumn));
+    outline_ = view_.outline(scale_, xAxis->range().lower, xAxis->range().upper,
+                             std::max(1, axisRect()->width() / kPixelsPerColumn));
+    const auto& outline = outline_;
     QVector<double> places(outline.places.begin(), outline.places.end());
     QVector<double> counts(outline.counts.begin(), outline.counts.end());
     if (!counts.isEmpty())

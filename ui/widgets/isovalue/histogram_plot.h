@@ -42,6 +42,9 @@ public:
     void setChosenEvent(std::optional<std::size_t> event);
     const EventMarks& eventMarks() const { return *marks_; }
     HistogramHints& hints() { return *hints_; }
+    /// Leaves so many pixels above the handle's tag to what stands over the plot.
+    void setRoomAbove(int pixels);
+    int roomAbove() const;
 
     /// Without extreme outliers and fill values.
     void showUsualRange();
@@ -66,6 +69,10 @@ public:
     double valueAtPixel(double pixel) const { return scale_.valueAt(xAxis->pixelToCoord(pixel)); }
     QCPRange visibleRange() const {
         return {scale_.valueAt(xAxis->range().lower), scale_.valueAt(xAxis->range().upper)};
+    }
+    /// Of the step that is drawn there.
+    std::optional<model::HistogramView::Readout> readoutAt(double pixel) const {
+        return view_.readout(outline_, scale_, xAxis->pixelToCoord(pixel));
     }
     /// How much the value changes from pixel to pixel at it.
     double resolutionAt(double value) const;
@@ -140,6 +147,7 @@ private:
     QSharedPointer<ScaleTicker> ticker_;
     std::function<QString(std::size_t)> describeEvent_;
     model::HistogramView view_;
+    model::HistogramView::Outline outline_; ///< as it is drawn
     model::HistogramOptions options_;
     model::ValueScale scale_;
     std::vector<std::uint64_t> activeEdgeCounts_;

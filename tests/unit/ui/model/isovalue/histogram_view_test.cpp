@@ -104,6 +104,41 @@ TEST(HistogramView, AReadoutIsOfTheValueBelowThePointer) {
     EXPECT_NEAR(noise.readout(1e20)->shareBelow, 1.0 - 2.0 / 50'000.0, 1e-9);
 }
 
+TEST(HistogramView, AReadoutOfTheOutlineIsOfTheStepThatIsDrawn) {
+    const auto noise = viewOf(ScalarType::F32, noiseWithOutliers());
+    const ValueScale even;
+    const auto usual = noise.usualRange();
+    const auto outline = noise.outline(even, usual.lower, usual.upper, 100);
+    for (const double value : {41.0, 50.0, 63.5}) {
+        const auto drawn = noise.readout(outline, even, value);
+        ASSERT_TRUE(drawn);
+        EXPECT_LE(drawn->lower, value);
+        EXPECT_GT(drawn->upper, value);
+        const auto column = std::find(outline.places.begin(), outline.places.end(), drawn->lower);
+        ASSERT_NE(column, outline.places.end()) << "where the step begins";
+        EXPECT_EQ(static_cast<double>(drawn->count),
+                  outline.counts[static_cast<std::size_t>(column - outline.places.begin())]);
+        EXPECT_EQ(drawn->shareBelow, noise.readout(value)->shareBelow);
+        EXPECT_TRUE(drawn->isExact);
+    }
+    const auto integers = smallIntegers();
+    const auto narrow = integers.outline(even, 9.5, 59.5, 20); // three numbers to a step, from 9.5 on
+    const auto three = integers.readout(narrow, even, 11.2);
+    EXPECT_EQ(three->lower, 10.0);
+    EXPECT_EQ(three->upper, 12.0);
+    EXPECT_EQ(three->count, 10u + 11u + 12u);
+    const auto wide = integers.outline(even, 9.5, 59.5, 400);
+    EXPECT_EQ(integers.readout(wide, even, 12.3)->count, 12u);
+    EXPECT_EQ(integers.readout(wide, even, 12.3)->upper, 12.0);
+    const auto log = ValueScale::fitting(ScaleKind::Log, integers.values());
+    const auto shared = integers.outline(log, log.placeOf(9.0), log.placeOf(61.0), 10);
+    const auto about = integers.readout(shared, log, log.placeOf(40.0));
+    EXPECT_FALSE(about->isExact) << "a number may belong to two steps";
+    EXPECT_LT(about->lower, 40.0);
+    EXPECT_GT(about->upper, 40.0);
+    EXPECT_GT(about->count, 100u);
+}
+
 TEST(HistogramView, CountsOfSomeSamplesStandForAll) {
     auto values = smallIntegers().values();
     values.weight = 100.0;
