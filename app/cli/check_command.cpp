@@ -33,6 +33,8 @@ Json jsonOf(const mesh::MeshReport& report) {
 std::string textOf(const mesh::MeshReport& report) {
     const auto yesNo = [](bool isSo) { return isSo ? "yes" : "no"; };
     std::string text;
+    if (report.triangles == 0)
+        text += "surface               none: the mesh has no triangle\n";
     text += fmt::format("manifold              {}\n", yesNo(report.isManifold));
     text += fmt::format("closed                {}\n", yesNo(report.isClosed));
     text += fmt::format("oriented              {}\n", yesNo(report.isOriented));

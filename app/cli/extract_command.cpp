@@ -171,6 +171,8 @@ Json jsonOf(const mesh::Certificate& certificate, InputKind source, const Extrac
 
 std::string textOf(const mesh::Certificate& certificate, const std::string& meshPath) {
     std::string text;
+    if (certificate.report.triangles == 0)
+        text += fmt::format("{:<22}{}\n", "surface", "none at this isovalue: the mesh has no triangle");
     for (const auto& line : mesh::linesOf(certificate))
         text += fmt::format("{:<22}{}\n", line.name, line.value);
     if (!meshPath.empty())

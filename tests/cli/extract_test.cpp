@@ -7,6 +7,8 @@ namespace isoslider::test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 class CliExtract : public CliTest {
 protected:
@@ -184,6 +186,20 @@ TEST_F(CliExtract, GivesAnEmptySurfaceOutsideTheRange) {
             EXPECT_TRUE(std::filesystem::exists(path("empty.ply")));
         }
     }
+}
+
+TEST_F(CliExtract, StatesThatThereIsNoSurface) {
+    for (const auto& input : {sphereVolume(), sphereIndex()}) {
+        const auto result = run({"extract", input, "--isovalue", "1000", "-o", path("none.ply")});
+        EXPECT_EQ(result.exitCode, 0);
+        EXPECT_THAT(result.standardOutput, StartsWith("surface               none at this isovalue"));
+        const auto checked = run({"check", path("none.ply")});
+        EXPECT_EQ(checked.exitCode, 0) << checked.standardError;
+        EXPECT_THAT(checked.standardOutput, StartsWith("surface               none: the mesh has no triangle\n"));
+    }
+    const auto sphere = run({"extract", sphereVolume(), "--isovalue", "5", "-o", path("some.ply")});
+    EXPECT_THAT(sphere.standardOutput, Not(HasSubstr("none at this isovalue")));
+    EXPECT_THAT(run({"check", path("some.ply")}).standardOutput, Not(HasSubstr("no triangle")));
 }
 
 TEST_F(CliExtract, SkipsTheCheckWhenAsked) {

@@ -465,7 +465,11 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
 
 void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate, bool isWhole) {
     const auto faults = mesh::faultsOf(certificate);
-    if (faults.empty()) {
+    if (certificate.report.triangles == 0) { // an error to look at: nobody wants such a file
+        const std::string why = isWhole ? "there is no surface at isovalue " + exactText(certificate.isovalue)
+                                        : std::string("nothing of the surface is in the part that was exported");
+        post(Notice{Notice::Severity::Error, "The exported mesh is empty", path.string() + ": " + why});
+    } else if (faults.empty()) {
         post(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
     } else {
         std::string detail = path.string() + ": ";

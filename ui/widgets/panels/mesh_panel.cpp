@@ -49,6 +49,8 @@ QString surfaceText(const mesh::Certificate& certificate) {
         else if (opening.loops > 1)
             places << unbroken(MeshPanel::tr("%1 (%2 loops)").arg(place, grouped(opening.loops)));
     }
+    if (certificate.report.triangles == 0)
+        return MeshPanel::tr("none at this isovalue");
     if (places.isEmpty())
         return MeshPanel::tr("closed");
     const QString text = MeshPanel::tr("open at %1").arg(places.join(QStringLiteral(", ")));
@@ -70,6 +72,8 @@ QString nudgeText(const mesh::Nudge& nudge, const std::string& unit) {
 }
 
 QString verdict(const mesh::Certificate& certificate) {
+    if (certificate.report.triangles == 0)
+        return MeshPanel::tr("– (no surface)");
     QStringList faults;
     for (const auto& fault : mesh::faultsOf(certificate))
         faults << QString::fromStdString(fault);
@@ -178,7 +182,10 @@ void MeshPanel::showReport() {
     else if (frame && frame->isovalue != certificate->isovalue)
         state_->setText(tr("At isovalue %1; the surface has moved since.").arg(number(certificate->isovalue)));
     else
-        state_->setText(tr("At isovalue %1.").arg(number(certificate->isovalue)));
+        state_->setText(certificate->report.triangles > 0
+                            ? tr("At isovalue %1.").arg(number(certificate->isovalue))
+                            : tr("There is no surface at isovalue %1, so no triangle was checked.")
+                                  .arg(number(certificate->isovalue)));
 }
 
 } // namespace isoslider::widgets
