@@ -6,8 +6,10 @@
 #include <QGuiApplication>
 #include <QLabel>
 #include <QTest>
+#include <QToolTip>
 #include <QWheelEvent>
 
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
@@ -262,6 +264,65 @@ TEST_F(IsovaluePanelTest, PlayMovesTheSurfaceAndPauseStopsIt) {
     const double after = isovalue().requested();
     QTest::qWait(80);
     EXPECT_EQ(isovalue().requested(), after);
+}
+
+TEST_F(IsovaluePanelTest, WhyATextIsNoNumberIsStatedUntilSomethingElseIsTyped) {
+    const auto type = [this](const char* text, Qt::Key last) {
+        trigger("isovalue.edit");
+        edit().selectAll();
+        QTest::keyClicks(&edit(), QLatin1String(text));
+        QTest::keyClick(&edit(), last);
+    };
+    const auto isStated = [] {
+        return QToolTip::isVisible() && QToolTip::text().contains(QStringLiteral("not a number"));
+    };
+    const auto waitUntilGone = [&] {
+        return waitUntil([&] { return !isStated(); }, std::chrono::milliseconds(900)); // it fades for a moment
+    };
+    type("12..5", Qt::Key_Return);
+    EXPECT_TRUE(isStated());
+    QTest::keyClicks(&edit(), QStringLiteral("-7"));
+    EXPECT_TRUE(waitUntilGone());
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), -7.0);
+    EXPECT_FALSE(isStated());
+    type("12..5", Qt::Key_Return);
+    EXPECT_TRUE(isStated());
+    isovalue().request(-6.0); // by the handle
+    EXPECT_TRUE(waitUntilGone());
+    type("12..5", Qt::Key_Return);
+    EXPECT_TRUE(isStated());
+    QTest::keyClick(&edit(), Qt::Key_Tab);
+    EXPECT_TRUE(waitUntilGone());
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("1e"));
+    edit().clearFocus(); // left with it, and nothing else has the keyboard
+    EXPECT_FALSE(isStated());
+}
+
+TEST_F(IsovaluePanelTest, NothingIsPlayedOfOneValue) {
+    window_->openFile(qpath(writeFloats(folder_, "even.mha", {8, 8, 8}, [](int, int, int) { return 3.0; })));
+    ASSERT_TRUE(waitUntil([this] { return session_->isSettled() && isovalue().max() == 3.0; }));
+    QAction* play = window_->actions().action("isovalue.play");
+    EXPECT_FALSE(play->isEnabled());
+    EXPECT_TRUE(play->toolTip().contains(QStringLiteral("one value"))) << play->toolTip().toStdString();
+    QTest::keyClick(window_.get(), Qt::Key_P);
+    EXPECT_FALSE(play->isChecked());
+    keepPicture(*window_, "play_one_value");
+    openBall();
+    EXPECT_TRUE(play->isEnabled());
+    EXPECT_FALSE(play->toolTip().contains(QStringLiteral("one value")));
+}
+
+// Should the range become one value while it is played, as where a preview gives way to the volume.
+TEST_F(IsovaluePanelTest, PlayEndsWithTheVolume) {
+    trigger("isovalue.play");
+    QAction* play = window_->actions().action("isovalue.play");
+    ASSERT_TRUE(play->isChecked());
+    window_->openFile(qpath(writeFloats(folder_, "even.mha", {8, 8, 8}, [](int, int, int) { return 3.0; })));
+    ASSERT_TRUE(waitUntil([this] { return session_->isSettled() && isovalue().max() == 3.0; }));
+    EXPECT_FALSE(play->isChecked());
+    EXPECT_EQ(play->text(), QStringLiteral("&Play"));
 }
 
 TEST_F(IsovaluePanelTest, TheHandleHasAnAccessibleNameAndValue) {

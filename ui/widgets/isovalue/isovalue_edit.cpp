@@ -1,5 +1,7 @@
 #include "ui/widgets/isovalue/isovalue_edit.h"
 
+#include <utility>
+
 #include <QKeyEvent>
 #include <QToolTip>
 #include <QWheelEvent>
@@ -39,17 +41,21 @@ IsovalueEdit::IsovalueEdit(QWidget* parent) : QLineEdit(parent) {
     connect(this, &QLineEdit::inputRejected, this, [this] { isCut_ = true; });
     connect(this, &QLineEdit::textEdited, this,
             [this](const QString& text) { isCut_ = isCut_ && text.size() == kMostCharacters; });
+    connect(this, &QLineEdit::textEdited, this, &IsovalueEdit::hideReason);
     connect(this, &QLineEdit::editingFinished, this, &IsovalueEdit::commit);
 }
 
 void IsovalueEdit::showValue(double value) {
-    shownText_ = QString::fromStdString(model::exactText(value));
+    const QString text = QString::fromStdString(model::exactText(value));
+    if (std::exchange(shownText_, text) != text)
+        hideReason();
     if (!isModified() || !hasFocus())
         restore();
 }
 
 void IsovalueEdit::showNothing() {
     shownText_.clear();
+    hideReason();
     restore();
 }
 
@@ -62,6 +68,7 @@ void IsovalueEdit::restore() {
 void IsovalueEdit::commit() {
     if (!isModified() || text() == shownText_)
         return setModified(false);
+    hideReason();
     const auto value = model::numberFrom(text().trimmed().toStdString());
     setModified(false);
     if (isCut_) {
@@ -78,9 +85,22 @@ void IsovalueEdit::commit() {
 
 void IsovalueEdit::refuse(const QString& reason) {
     restore();
+    if (!hasFocus())
+        return; // a tip would stay there for a field that nobody is in
     // Escaped: tool tips take text with tags for a page.
-    QToolTip::showText(mapToGlobal(QPoint(0, height())), QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped()),
-                       this);
+    reason_ = QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped());
+    QToolTip::showText(mapToGlobal(QPoint(0, height())), reason_, this);
+}
+
+void IsovalueEdit::hideReason() {
+    const QString reason = std::exchange(reason_, QString());
+    if (!reason.isEmpty() && QToolTip::text() == reason)
+        QToolTip::hideText();
+}
+
+void IsovalueEdit::focusOutEvent(QFocusEvent* event) {
+    hideReason();
+    QLineEdit::focusOutEvent(event);
 }
 
 // Escape puts the value back, whatever it does elsewhere in the window. Letters that no number has do there what they
@@ -109,6 +129,7 @@ void IsovalueEdit::keyPressEvent(QKeyEvent* event) {
         case Qt::Key_PageUp: Q_EMIT stepRequested(page * fine); return;
         case Qt::Key_PageDown: Q_EMIT stepRequested(-page * fine); return;
         case Qt::Key_Escape:
+            hideReason();
             restore();
             selectAll();
             return;

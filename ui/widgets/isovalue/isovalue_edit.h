@@ -5,7 +5,7 @@
 namespace isoslider::widgets {
 
 /// A number typed in data units: taken on Enter or when the focus leaves, put back on Escape or if
-/// it is not a number, with a word on why. Never rewritten while the user types.
+/// it is not a number, with a tip on why while the user is in it. Never rewritten while the user types.
 class IsovalueEdit : public QLineEdit {
     Q_OBJECT
 public:
@@ -21,14 +21,17 @@ Q_SIGNALS:
 protected:
     bool event(QEvent* event) override;
     void keyPressEvent(QKeyEvent* event) override;
+    void focusOutEvent(QFocusEvent* event) override;
     void wheelEvent(QWheelEvent* event) override;
 
 private:
     void commit();
     void restore();
     void refuse(const QString& reason);
+    void hideReason();
 
     QString shownText_;
+    QString reason_; ///< as the tip has it; empty: there is none
     bool isCut_ = false; ///< what was put in was longer than fits: what is there is not what was meant
 };
 

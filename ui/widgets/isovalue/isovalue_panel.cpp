@@ -153,11 +153,12 @@ void IsovaluePanel::connectControls(SettingsStore& settings, const ActionRegistr
         playback_.setSpeed(percent / 100.0);
         settings.set("playback/percentPerSecond", percent);
     });
-    QAction* play = actions.action("isovalue.play");
-    connect(play, &QAction::toggled, this, [this, play](bool isPlaying) { setPlaying(isPlaying, play); });
+    play_ = actions.action("isovalue.play");
+    playTip_ = play_->toolTip();
+    connect(play_, &QAction::toggled, this, &IsovaluePanel::setPlaying);
     playTimer_.setInterval(kPlayIntervalMs);
     playTimer_.setTimerType(Qt::PreciseTimer);
-    connect(&playTimer_, &QTimer::timeout, this, [this, play] { advance(play); });
+    connect(&playTimer_, &QTimer::timeout, this, &IsovaluePanel::advance);
 }
 
 // The axis shows the range, the view what the readouts show: in a narrow window they give way before the controls have
@@ -182,10 +183,10 @@ void IsovaluePanel::makeRoomForControls() {
     }
 }
 
-void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
-    action->setText(isPlaying ? tr("&Pause") : tr("&Play"));
-    action->setIconText(isPlaying ? tr("Pause") : tr("Play"));
-    action->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
+void IsovaluePanel::setPlaying(bool isPlaying) {
+    play_->setText(isPlaying ? tr("&Pause") : tr("&Play"));
+    play_->setIconText(isPlaying ? tr("Pause") : tr("Play"));
+    play_->setIcon(themedIcon(isPlaying ? QStringLiteral("pause") : QStringLiteral("play"), palette()));
     if (isPlaying && session_.isovalue().hasDomain()) {
         playback_.start(plot_->shareOf(session_.isovalue().requested()));
         playedValue_ = session_.isovalue().requested();
@@ -195,11 +196,11 @@ void IsovaluePanel::setPlaying(bool isPlaying, QAction* action) {
         playback_.stop();
         playTimer_.stop();
         if (isPlaying)
-            action->setChecked(false);
+            play_->setChecked(false);
     }
 }
 
-void IsovaluePanel::advance(QAction* action) {
+void IsovaluePanel::advance() {
     auto& isovalue = session_.isovalue();
     const double seconds = static_cast<double>(playClock_.restart()) / 1000.0;
     if (isovalue.isLagging())
@@ -209,14 +210,14 @@ void IsovaluePanel::advance(QAction* action) {
     isovalue.request(plot_->valueAtShare(playback_.advance(seconds)));
     playedValue_ = isovalue.requested();
     if (!playback_.isPlaying() || !isovalue.hasDomain())
-        action->setChecked(false);
+        play_->setChecked(false);
 }
 
 void IsovaluePanel::showDataset() {
     const auto* dataset = session_.dataset();
     const bool hasDataset = dataset != nullptr;
-    for (QWidget* control : {static_cast<QWidget*>(edit_), static_cast<QWidget*>(mode_), static_cast<QWidget*>(speed_)})
-        control->setEnabled(hasDataset);
+    edit_->setEnabled(hasDataset);
+    showPlayback();
     if (!hasDataset) {
         range_->setText(tr("no volume"));
         return plot_->clearHistogram();
@@ -229,6 +230,20 @@ void IsovaluePanel::showDataset() {
     applyStepRule();
     if (std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration())
         beginVolume();
+}
+
+// Of a volume of one value there is nothing to go through.
+void IsovaluePanel::showPlayback() {
+    const auto* dataset = session_.dataset();
+    const bool isPossible = dataset != nullptr && dataset->min < dataset->max;
+    for (QWidget* control : {static_cast<QWidget*>(mode_), static_cast<QWidget*>(speed_)})
+        control->setEnabled(isPossible);
+    if (!isPossible)
+        play_->setChecked(false);
+    play_->setEnabled(isPossible);
+    play_->setToolTip(dataset != nullptr && !isPossible
+                          ? tr("All samples have one value: there is nothing to play through")
+                          : playTip_);
 }
 
 void IsovaluePanel::beginVolume() {

@@ -8,6 +8,7 @@
 #include "ui/model/observers.h"
 #include "ui/model/session/dataset.h"
 
+class QAction;
 class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
@@ -48,8 +49,9 @@ private:
     void makeRoomForControls();
     void showIsovalue();
     void applyStepRule();
-    void setPlaying(bool isPlaying, QAction* action);
-    void advance(QAction* action);
+    void showPlayback();
+    void setPlaying(bool isPlaying);
+    void advance();
 
     model::Session& session_;
     HistogramPlot* plot_ = nullptr;
@@ -65,6 +67,8 @@ private:
     QLabel* elapsed_ = nullptr;
     QComboBox* mode_ = nullptr;
     QDoubleSpinBox* speed_ = nullptr;
+    QAction* play_ = nullptr;
+    QString playTip_; ///< where it can be done
     model::DatasetGeneration shownDataset_{};
     model::PlaybackModel playback_;
     QTimer playTimer_;

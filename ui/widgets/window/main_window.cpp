@@ -274,7 +274,7 @@ void MainWindow::updateActions() {
     const auto* dataset = session_.dataset();
     const bool hasSurface = session_.frame() != nullptr;
     const auto state = session_.indexState();
-    for (const char* id : {"isovalue.edit", "isovalue.play", "file.close", "file.saveSession", "second.open"})
+    for (const char* id : {"isovalue.edit", "file.close", "file.saveSession", "second.open"})
         actions_->action(id)->setEnabled(dataset != nullptr);
     actions_->action("mesh.export")->setEnabled(hasSurface);
     actions_->action("file.saveImage")->setEnabled(hasSurface && host_->viewport() != nullptr);
