@@ -1,5 +1,7 @@
 #include "ui/widgets/slices/slice_workspace.h"
 
+#include <utility>
+
 #include <QHBoxLayout>
 #include <QSplitter>
 
@@ -66,18 +68,19 @@ void SliceWorkspace::place(SlicePane* pane, QSplitter* column, int row) {
 
 void SliceWorkspace::showLayout() {
     const SliceLayout layout = model_.options().layout;
-    const bool isOther = layout != shown_;
-    shown_ = layout;
-    if (isOther) {
+    const bool hasVolume = model_.dataset() != nullptr;
+    if (layout != shown_) {
+        shown_ = layout;
+        isDivided_ = false;
         if (layout == SliceLayout::Four)
             place(panes_[placeOf(SliceKind::X)], left_, 1);
         else
             place(panes_[placeOf(SliceKind::X)], right_, 2);
     }
     for (const SliceKind kind : model::kSliceKinds)
-        panes_[placeOf(kind)]->setVisible(model_.isInPane(kind));
-    right_->setVisible(layout != SliceLayout::None);
-    if (!isOther)
+        panes_[placeOf(kind)]->setVisible(hasVolume && model_.isInPane(kind));
+    right_->setVisible(hasVolume && layout != SliceLayout::None);
+    if (!hasVolume || std::exchange(isDivided_, true))
         return;
     divide(columns_, layout == SliceLayout::Three ? 0.68 : layout == SliceLayout::One ? 0.58 : 0.5);
     divide(left_, 0.5);

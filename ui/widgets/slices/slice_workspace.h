@@ -13,7 +13,8 @@ namespace isoslider::widgets {
 
 class SlicePane;
 
-/// The middle of the window: the 3-D view, and beside it the panes that the layout has. `model` must outlive it.
+/// The middle of the window: the 3-D view, and beside it the panes that the layout has, while there is a volume to show
+/// in them. `model` must outlive it.
 class SliceWorkspace : public QWidget {
     Q_OBJECT
 public:
@@ -34,6 +35,7 @@ private:
     QSplitter* right_;
     std::array<SlicePane*, 4> panes_{};
     model::SliceLayout shown_ = model::SliceLayout::None;
+    bool isDivided_ = false; ///< as that layout wants it: hidden columns have no widths
     model::Subscription subscription_;
 };
 
