@@ -15,6 +15,7 @@
 #include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/colouring/colour_model.h"
+#include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/opening/volume_dialog.h"
 #include "ui/widgets/viewport/colour_bar_view.h"
 #include "ui/widgets/viewport/orientation_cube.h"
@@ -245,6 +246,50 @@ TEST_F(ColourTest, TheBarStandsClearOfTheOthersAndInSavedPictures) {
     trigger("colour.one");
     EXPECT_FALSE(action("pieces.colour").isChecked());
     EXPECT_FALSE(bar().isVisible());
+}
+
+TEST_F(ColourTest, WhatHasNoEffectIsDisabled) {
+    child<QDockWidget>("colourDock")->raise();
+    const auto expectMap = [this](bool isOn, const char* when) {
+        for (const char* id : {"colour.viridis", "colour.grey", "colour.reverse", "colour.bar", "colour.automatic"})
+            EXPECT_EQ(action(id).isEnabled(), isOn) << id << " " << when;
+        EXPECT_EQ(child<QComboBox>("colourMap")->isEnabled(), isOn) << when;
+        for (const char* name : {"colourLow", "colourHigh"})
+            EXPECT_EQ(child<QLineEdit>(name)->isEnabled(), isOn) << name << " " << when;
+        EXPECT_TRUE(child<QComboBox>("colourKey")->isEnabled()) << when;
+    };
+    expectMap(false, "of one colour");
+    keepPicture(*window_, "colour_panel_one");
+    choose("colour.x", ColourBy::X);
+    expectMap(true, "by X");
+    keepPicture(*window_, "colour_panel_x");
+    trigger("pieces.colour");
+    expectMap(false, "by pieces");
+    trigger("colour.x");
+    ASSERT_TRUE(waitUntil([this] { return action("colour.x").isChecked(); }));
+    expectMap(true, "by X again");
+    trigger("colour.one");
+    expectMap(false, "of one colour again");
+}
+
+// On a white background, the least legible there is: against its plate.
+TEST_F(ColourTest, TheWordsOfTheBarAreLegible) {
+    choose("colour.x", ColourBy::X);
+    auto content = bar().content();
+    content.unit = QStringLiteral("mm");
+    bar().setBar(content, bar().height());
+    QImage picture(bar().size(), QImage::Format_RGB32);
+    picture.fill(Qt::white);
+    QPainter painter(&picture);
+    bar().paint(painter);
+    painter.end();
+    const int line = bar().fontMetrics().height(), top = bar().fontMetrics().height() + 8; // of the unit
+    double most = 1.0;
+    const QColor plate(picture.pixel(3, top + line / 2));
+    for (int y = top; y < top + line; ++y)
+        for (int x = 8; x < picture.width() - 8; ++x)
+            most = std::max(most, widgets::contrastOf(QColor(picture.pixel(x, y)), plate));
+    EXPECT_GE(most, 4.5);
 }
 
 TEST_F(ColourTest, ChoicesAreUndoneAndKept) {

@@ -1,10 +1,12 @@
 // Panes of slices: when they are there, and what is written in them.
 #include <QAction>
 #include <QTest>
+#include <QWheelEvent>
 
 #include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/slices/slice_model.h"
+#include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/slices/slice_pane.h"
 #include "ui/widgets/slices/slice_workspace.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -22,9 +24,18 @@ protected:
         ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr; }));
         ASSERT_TRUE(waitUntilSettled());
     }
+    model::SliceModel& slices() { return window_->slices(); }
     widgets::SlicePane& pane(SliceKind kind) { return window_->sliceWorkspace().pane(kind); }
     bool isSeen(SliceKind kind) { return pane(kind).isVisible(); }
     void press(Qt::Key key) { QTest::keyClick(window_.get(), key); }
+    bool waitForSlices() {
+        return waitUntil([this] { return session_->isSettled() && slices().isSettled(); });
+    }
+    static void wheel(QWidget& widget, QPoint point, int angle, Qt::KeyboardModifiers modifiers) {
+        QWheelEvent event(point, widget.mapToGlobal(QPointF(point)), {}, {0, angle}, Qt::NoButton, modifiers,
+                          Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&widget, &event);
+    }
 };
 
 TEST_F(SlicePanesTest, WithoutAVolumeThereAreNoPanes) {
@@ -44,6 +55,25 @@ TEST_F(SlicePanesTest, WithoutAVolumeThereAreNoPanes) {
     EXPECT_TRUE(isSeen(SliceKind::X) && isSeen(SliceKind::Y) && isSeen(SliceKind::Z)) << "as it was chosen";
     QTest::qWait(20);
     EXPECT_NEAR(window_->viewportHost().width(), 0.68 * window_->sliceWorkspace().width(), 20);
+}
+
+TEST_F(SlicePanesTest, WindowAndLevelAreLegibleOnWhite) {
+    openRamp();
+    press(Qt::Key_F6);
+    slices().change([](model::SliceOptions& options) { options.window = model::ValueWindow{-2.0, -1.0}; });
+    ASSERT_TRUE(waitForSlices());
+    wheel(pane(SliceKind::Z), pane(SliceKind::Z).rect().center(), 1200, Qt::ShiftModifier); // all of it is slice
+    QTest::qWait(50);
+    const QImage picture = pane(SliceKind::Z).grab().toImage();
+    const QColor white(picture.pixel(picture.width() / 2 + 20, picture.height() - 60));
+    ASSERT_GT(white.lightness(), 240);
+    double most = 1.0; // of two pixels side by side, in the corner
+    for (int y = picture.height() - 30; y < picture.height() - 8; ++y)
+        for (int x = picture.width() - 60; x < picture.width() - 12; ++x)
+            if (const QColor ground(picture.pixel(x - 2, y)); ground.lightness() < 128)
+                most = std::max(most, widgets::contrastOf(QColor(picture.pixel(x, y)), ground));
+    EXPECT_GE(most, 4.5);
+    keepPicture(*window_, "slices_window_on_white");
 }
 
 } // namespace

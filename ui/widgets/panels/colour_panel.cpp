@@ -66,6 +66,7 @@ ColourPanel::ColourPanel(ViewportHost& host, const ActionRegistry& actions, QWid
     subscriptions_.push_back(host_.colours().observe([this] { showColours(); }));
     for (int row = 0; row <= static_cast<int>(kColourKeyActions.size()); ++row)
         connect(actions_.action(keyAction(row)), &QAction::changed, this, &ColourPanel::showKeys);
+    connect(actions_.action(kColourMapActions.front().id), &QAction::changed, this, &ColourPanel::enableMap);
     showColours();
 }
 
@@ -82,6 +83,7 @@ void ColourPanel::makeChoices(QGridLayout* grid) {
         label->setBuddy(field);
         grid->addWidget(label, line, 0);
         grid->addWidget(field, line, 1);
+        return label;
     };
     key_ = makeBox("colourKey");
     key_->setAccessibleName(tr("What the surface is coloured by"));
@@ -97,7 +99,7 @@ void ColourPanel::makeChoices(QGridLayout* grid) {
     map_->setIconSize(kMapIcon);
     for (const auto& entry : kColourMapActions)
         map_->addItem(iconOf(entry.map, false), plainText(*actions_.action(entry.id)));
-    addRow(2, tr("Colour map"), map_);
+    mapNames_.push_back(addRow(2, tr("Colour map"), map_));
     connect(key_, &QComboBox::activated, this, [this](int row) {
         QAction* action = actions_.action(keyAction(row));
         if (row != kPiecesRow || !action->isChecked())
@@ -134,7 +136,9 @@ void ColourPanel::makeRange(QVBoxLayout* rows) {
     name->setBuddy(low_);
     range->addWidget(name);
     range->addWidget(low_, 1);
-    range->addWidget(new QLabel(tr("to"), this));
+    auto* to = new QLabel(tr("to"), this);
+    range->addWidget(to);
+    mapNames_.insert(mapNames_.end(), {name, to});
     range->addWidget(high_, 1);
     rows->addLayout(range);
     addButtons({"colour.automatic", "colour.fit"});
@@ -200,14 +204,22 @@ void ColourPanel::showKeys() {
             key_->setCurrentIndex(row);
     }
     key_->setEnabled(isAnyPossible);
-    map_->setEnabled(isAnyPossible);
+    enableMap();
+}
+
+void ColourPanel::enableMap() {
+    const bool hasMap = actions_.action(kColourMapActions.front().id)->isEnabled();
+    map_->setEnabled(hasMap);
+    for (QLabel* name : mapNames_)
+        name->setEnabled(hasMap);
+    for (QLineEdit* edit : {low_, high_})
+        edit->setEnabled(hasMap && host_.colours().colours().by != model::ColourBy::One);
 }
 
 void ColourPanel::showRange() {
     const model::ColourModel& colours = host_.colours();
     const bool hasValues = colours.colours().by != model::ColourBy::One;
     const auto show = [&](QLineEdit* edit, double value) {
-        edit->setEnabled(hasValues);
         if (edit->isModified() && edit->hasFocus())
             return; // somebody is typing
         edit->setText(hasValues ? fromStd(model::exactText(value)) : QString());
@@ -215,6 +227,7 @@ void ColourPanel::showRange() {
     };
     show(low_, colours.colours().range.low);
     show(high_, colours.colours().range.high);
+    enableMap();
     QStringList lines;
     if (colours.isMaking())
         lines << tr("The values are being read; see Jobs.");

@@ -32,6 +32,8 @@ private:
     void showColours();
     void showKeys();
     void showRange();
+    /// What is coloured by values has a map and a range.
+    void enableMap();
 
     ViewportHost& host_;
     const ActionRegistry& actions_;
@@ -41,6 +43,7 @@ private:
     QLineEdit* low_ = nullptr;
     QLineEdit* high_ = nullptr;
     QLabel* note_ = nullptr;
+    std::vector<QLabel*> mapNames_; ///< of the controls of map and range
     std::vector<model::Subscription> subscriptions_;
 };
 

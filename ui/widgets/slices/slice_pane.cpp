@@ -22,7 +22,7 @@ constexpr double kGap = 7.0; // of the crosshair's lines around the place itself
 constexpr double kSmoothBelow = 4.0; // points for a sample: more show samples as what they are
 const QColor kGround(22, 24, 28);
 const QColor kWords(226, 230, 236);
-const QColor kQuietWords(168, 176, 188);
+const QColor kPlate(20, 22, 26, 210); // words of little weight are legible on it, whatever is behind
 const QColor kPreview(255, 214, 138); // as over the 3-D view
 const QColor kContourShadow(12, 10, 8, 190);
 
@@ -283,8 +283,15 @@ void SlicePane::paintWords(QPainter& painter) const {
     // The value is what people look for: the window gives way.
     const double needed =
         metrics.boundingRect(QRectF(), 0, words).width() + metrics.boundingRect(QRectF(), 0, range).width();
-    if (needed + 3 * kMargin < room.width())
-        drawWords(painter, room, Qt::AlignRight | Qt::AlignBottom, range, kQuietWords);
+    if (needed + 3 * kMargin >= room.width())
+        return;
+    const QRectF place = metrics.boundingRect(room, Qt::AlignRight | Qt::AlignBottom, range);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(kPlate);
+    painter.drawRoundedRect(place.adjusted(-4.0, -2.0, 4.0, 2.0), 3.0, 3.0);
+    painter.setPen(kWords);
+    painter.drawText(room, Qt::AlignRight | Qt::AlignBottom, range);
 }
 
 void SlicePane::paintMessage(QPainter& painter) const {

@@ -21,7 +21,7 @@ constexpr int kMostTitle = 150; // a name of a field may be long
 constexpr int kPixelsPerTick = 28;
 constexpr int kMostTicks = 9;
 constexpr int kStops = 33; // of the gradient
-const QColor kPlate(20, 22, 26, 150); // as behind readouts
+const QColor kPlate(20, 22, 26, 200); // words are legible on it whatever is behind
 const QColor kInk(238, 241, 245);
 const QColor kQuietInk(188, 194, 202);
 

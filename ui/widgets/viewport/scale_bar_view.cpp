@@ -14,7 +14,7 @@ constexpr int kPadding = 7;
 constexpr int kBarGap = 4; // between the text and the bar
 constexpr double kThickness = 2.0;
 constexpr double kTick = 7.0; // height of the ends
-const QColor kPlate(20, 22, 26, 150); // as behind readouts
+const QColor kPlate(20, 22, 26, 200); // words are legible on it whatever is behind
 const QColor kInk(238, 241, 245);
 
 } // namespace

@@ -142,10 +142,11 @@ void ColourWiring::showState() {
     }
     const bool hasValues = hasVolume && !hasPieces && wanted.by != model::ColourBy::One;
     for (const auto& entry : kColourMapActions) {
-        actions_.action(entry.id)->setEnabled(hasView);
+        actions_.action(entry.id)->setEnabled(hasValues); // a map of nothing would change nothing
         actions_.action(entry.id)->setChecked(wanted.map == entry.map);
     }
-    actions_.action("colour.reverse")->setEnabled(hasView);
+    actions_.action("colour.bar")->setEnabled(hasValues);
+    actions_.action("colour.reverse")->setEnabled(hasValues);
     actions_.action("colour.reverse")->setChecked(wanted.isReversed);
     actions_.action("colour.automatic")->setEnabled(hasValues);
     actions_.action("colour.automatic")->setChecked(!wanted.range);
