@@ -93,6 +93,47 @@ TEST_F(ChoicesTest, DataSetsAreShownInTheirGroups) {
     EXPECT_EQ(chosen(shown), "/run1/density");
 }
 
+TEST_F(ChoicesTest, TheTitleOfTheWindowNamesTheField) {
+    QDialog* shown = nullptr;
+    openTree(shown);
+    chosen(shown);
+    EXPECT_EQ(window_->windowTitle(), QStringLiteral("run.h5 – /run1/density – ISOSLIDER"));
+    trigger("file.close");
+    EXPECT_EQ(window_->windowTitle(), QStringLiteral("ISOSLIDER"));
+}
+
+TEST_F(ChoicesTest, LongNamesOfFilesMakeNoWideDialogs) {
+    contents_ = groupedContents();
+    const std::string name = std::string(110, 'n') + "_" + std::string(110, 'm');
+    const QString hdf5 = QString::fromStdString(name + ".h5");
+    drop(folder_.write(name + ".h5", "x"));
+    QDialog* shown = dialog("volumeDialog");
+    ASSERT_TRUE(waitForPreview(shown));
+    EXPECT_LE(shown->width(), 1100);
+    EXPECT_LE(shown->minimumSizeHint().width(), 1100);
+    auto* heading = shown->findChild<QLabel*>(QStringLiteral("fileName"));
+    EXPECT_TRUE(heading->text().contains(u'…'));
+    EXPECT_TRUE(heading->text().endsWith(QStringLiteral(".h5"))) << "the end states what it is";
+    EXPECT_TRUE(heading->toolTip().contains(hdf5));
+    keepPicture(*shown, "open-long-name");
+    const int before = window_->minimumSizeHint().width();
+    chosen(shown);
+    keepPicture(*window_, "window-long-name");
+    EXPECT_LE(window_->minimumSizeHint().width(), before) << "nor a wide window";
+    session_->post({model::Notice::Severity::Error, "Could not open " + name, "/data/" + name + ": is not a volume"});
+    QTest::qWait(20);
+    EXPECT_LE(window_->minimumSizeHint().width(), before);
+    EXPECT_LE(window_->width(), 1400);
+    keepPicture(*window_, "message-long-name");
+    drop(folder_.write(name + ".raw", std::string(4096, 'x')));
+    QDialog* raw = dialog("rawImportDialog");
+    QTest::qWait(50);
+    EXPECT_LE(raw->minimumSizeHint().width(), 1100);
+    EXPECT_TRUE(raw->findChild<QLabel*>(QStringLiteral("fileName"))->text().endsWith(QStringLiteral(".raw")));
+    keepPicture(*raw, "raw-long-name");
+    raw->reject();
+}
+
 TEST_F(ChoicesTest, TheKeysGoThroughTheGroups) {
     QDialog* shown = nullptr;
     auto* view = openTree(shown);

@@ -153,8 +153,13 @@ FileDialogFrame layOutFileDialog(QDialog* dialog, const QString& fileName, QWidg
     layout->setSpacing(10);
     FileDialogFrame frame{new QVBoxLayout, new QHBoxLayout, nullptr};
     frame.top->setSpacing(10);
-    auto* heading = makeHeading(fileName, dialog);
-    heading->setTextFormat(Qt::PlainText);
+    auto* heading = new ElidedLabel(dialog, Qt::ElideMiddle);
+    heading->setObjectName(QStringLiteral("fileName"));
+    QFont bold = heading->font();
+    bold.setBold(true);
+    heading->setFont(bold);
+    heading->setFullText(fileName);
+    heading->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred); // a long name makes no wide dialog
     frame.top->addWidget(heading);
     layout->addLayout(frame.top);
     auto* columns = new QHBoxLayout;
@@ -198,7 +203,9 @@ bool RowScroll::eventFilter(QObject* watched, QEvent* event) {
     return QScrollArea::eventFilter(watched, event);
 }
 
-ElidedLabel::ElidedLabel(QWidget* parent) : QLabel(parent) { setTextFormat(Qt::PlainText); }
+ElidedLabel::ElidedLabel(QWidget* parent, Qt::TextElideMode mode) : QLabel(parent), mode_(mode) {
+    setTextFormat(Qt::PlainText);
+}
 
 void ElidedLabel::setFullText(const QString& text) {
     if (text == fullText_)
@@ -223,7 +230,7 @@ void ElidedLabel::resizeEvent(QResizeEvent* event) {
 }
 
 void ElidedLabel::elide() {
-    const QString shown = fontMetrics().elidedText(fullText_, Qt::ElideRight, std::max(0, width() - 2 * margin()));
+    const QString shown = fontMetrics().elidedText(fullText_, mode_, std::max(0, width() - 2 * margin()));
     if (shown != text())
         setText(shown);
     setToolTip(shown == fullText_ ? QString() : plainTip(fullText_));

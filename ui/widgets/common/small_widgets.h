@@ -83,11 +83,12 @@ private:
     void fitHeight();
 };
 
-/// A line of text that ends in dots where there is no room for all of it, which the tool tip then shows.
+/// A line of text with dots where there is no room for all of it, which the tool tip then shows: at its end, or in the
+/// middle, as suits names of files.
 class ElidedLabel : public QLabel {
     Q_OBJECT
 public:
-    explicit ElidedLabel(QWidget* parent = nullptr);
+    explicit ElidedLabel(QWidget* parent = nullptr, Qt::TextElideMode mode = Qt::ElideRight);
     void setFullText(const QString& text);
     const QString& fullText() const { return fullText_; }
     QSize sizeHint() const override;
@@ -100,6 +101,7 @@ private:
     void elide();
 
     QString fullText_;
+    Qt::TextElideMode mode_;
 };
 
 struct Fact {

@@ -62,6 +62,7 @@ PreviewPane::PreviewPane(QWidget* parent) : QWidget(parent) {
     status_->setTextFormat(Qt::PlainText);
     status_->setWordWrap(true);
     status_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    status_->setMinimumWidth(1); // a word as long as a file's name makes no wide dialog
     status_->setMinimumHeight(2 * fontMetrics().height() + 2);
     status_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
     layout->addWidget(status_);

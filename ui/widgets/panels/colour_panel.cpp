@@ -90,7 +90,7 @@ void ColourPanel::makeChoices(QGridLayout* grid) {
     for (int row = 0; row <= static_cast<int>(kColourKeyActions.size()); ++row)
         key_->addItem(row == kPiecesRow ? tr("Pieces") : plainText(*actions_.action(keyAction(row))));
     addRow(0, tr("Colour by"), key_);
-    field_ = new ElidedLabel(this);
+    field_ = new ElidedLabel(this, Qt::ElideMiddle);
     field_->setObjectName(QStringLiteral("colourField"));
     makeQuiet(field_);
     grid->addWidget(field_, 1, 1);

@@ -65,7 +65,7 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
     const auto& geometry = dataset.geometry;
     const QString path = fromStd(dataset.path.string());
     std::vector<Fact> facts;
-    facts.push_back({DatasetPanel::tr("File"), fromStd(dataset.name), QDir::toNativeSeparators(path)});
+    facts.push_back({DatasetPanel::tr("File"), shortened(fromStd(dataset.name)), QDir::toNativeSeparators(path)});
     facts.push_back({DatasetPanel::tr("Format"), fromStd(dataset.format), {}});
     if (const auto fact = fieldFactOf(dataset))
         facts.push_back(*fact);
@@ -96,7 +96,8 @@ std::vector<Fact> indexFactsOf(const model::Dataset& dataset) {
     const QString path = fromStd(dataset.indexPath.string());
     const bool isEdges = info.kind == index::IndexKind::Edges;
     return {
-        {DatasetPanel::tr("File"), fromStd(dataset.indexPath.filename().string()), QDir::toNativeSeparators(path)},
+        {DatasetPanel::tr("File"), shortened(fromStd(dataset.indexPath.filename().string())),
+         QDir::toNativeSeparators(path)},
         {DatasetPanel::tr("Kind"), isEdges ? DatasetPanel::tr("edges") : DatasetPanel::tr("metacells"),
          isEdges ? DatasetPanel::tr("The samples, compressed, and the changes of every grid edge, by value")
                  : DatasetPanel::tr("The samples, compressed, and when each brick of them is active")},

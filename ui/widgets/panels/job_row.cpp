@@ -8,6 +8,7 @@
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/jobs/job_words.h"
 #include "ui/widgets/common/icon_loader.h"
+#include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 
 namespace isoslider::widgets {
@@ -31,7 +32,7 @@ QString detailOf(const model::JobEntry& job) {
 
 JobRow::JobRow(QWidget* parent)
     : QFrame(parent),
-      title_(new QLabel(this)),
+      title_(new ElidedLabel(this, Qt::ElideMiddle)),
       detail_(new QLabel(this)),
       bar_(new QProgressBar(this)),
       cancel_(new QToolButton(this)) {
@@ -39,7 +40,6 @@ JobRow::JobRow(QWidget* parent)
     layout->setContentsMargins(0, 4, 0, 4);
     layout->setVerticalSpacing(3);
     layout->setColumnStretch(0, 1);
-    title_->setTextFormat(Qt::PlainText);
     title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     detail_->setTextFormat(Qt::PlainText);
     detail_->setWordWrap(true);
@@ -62,8 +62,7 @@ JobRow::JobRow(QWidget* parent)
 
 void JobRow::showJob(const model::JobEntry& job) {
     const bool isRunning = job.state == model::JobState::Running;
-    title_->setText(QString::fromStdString(job.title));
-    title_->setToolTip(title_->text());
+    title_->setFullText(QString::fromStdString(job.title));
     detail_->setText(detailOf(job));
     bar_->setVisible(isRunning);
     bar_->setValue(qRound(job.fraction * 1000.0));

@@ -10,6 +10,8 @@ class QToolButton;
 
 namespace isoslider::widgets {
 
+class ElidedLabel;
+
 /// One job in the list.
 class JobRow : public QFrame {
     Q_OBJECT
@@ -21,7 +23,7 @@ Q_SIGNALS:
     void cancelRequested();
 
 private:
-    QLabel* title_;
+    ElidedLabel* title_;
     QLabel* detail_;
     QProgressBar* bar_;
     QToolButton* cancel_;

@@ -25,7 +25,7 @@ constexpr int kIsovalueSteps = 1000; // from the least to the greatest suggested
 } // namespace
 
 SecondVolumeBox::SecondVolumeBox(model::Session& session, const ActionRegistry& actions, QWidget* parent)
-    : QWidget(parent), session_(session), name_(new ElidedLabel(this)), surfaces_(new QWidget(this)) {
+    : QWidget(parent), session_(session), name_(new ElidedLabel(this, Qt::ElideMiddle)), surfaces_(new QWidget(this)) {
     setObjectName(QStringLiteral("secondVolume"));
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(0, 0, 0, 0);

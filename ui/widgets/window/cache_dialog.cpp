@@ -42,7 +42,7 @@ CacheDialog::CacheDialog(const model::Session& session, SettingsStore& settings,
     makeQuiet(text);
     const auto& path = session.indexCache().folder();
     const QString shownPath = QDir::toNativeSeparators(QString::fromStdU16String(path.u16string()));
-    auto* folder = new ElidedLabel(this);
+    auto* folder = new ElidedLabel(this, Qt::ElideMiddle);
     folder->setObjectName(QStringLiteral("cacheFolder"));
     folder->setFullText(shownPath);
     usage_->setObjectName(QStringLiteral("cacheUsage"));

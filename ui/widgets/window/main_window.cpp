@@ -69,6 +69,25 @@ QSize initialSize(const QWidget& window) {
 }
 
 constexpr int kLayoutVersion = 4; // goes up when a panel comes or goes
+constexpr qsizetype kMostFieldLetters = 48;
+
+/// "flow.nc – speed, frame 3": the file, and what of it is shown where it states more than samples.
+QString titleOf(const model::Dataset& dataset) {
+    model::RecentFile shown = model::recentOf(dataset);
+    shown.options.raw.reset();
+    shown.options.resampleDims = {};
+    QString chosen = QString::fromStdString(model::choicesText(shown)).simplified();
+    if (shown.options.field.empty() && !dataset.fieldName.empty()) { // the file puts it forward by itself
+        const QString field =
+            QString::fromStdString(dataset.fieldTitle.empty() ? dataset.fieldName : dataset.fieldTitle).simplified();
+        chosen = chosen.isEmpty() ? field : field + QStringLiteral(", ") + chosen;
+    }
+    if (chosen.size() > kMostFieldLetters)
+        chosen = chosen.left(kMostFieldLetters / 2) + QStringLiteral("…") + chosen.right(kMostFieldLetters / 2);
+    const QString name = QString::fromStdString(dataset.name);
+    return (chosen.isEmpty() ? name : name + QStringLiteral(" – ") + chosen) + QStringLiteral(" – ISOSLIDER");
+}
+
 constexpr int kPanelWidth = 450;
 constexpr int kHistogramDockHeight = 290;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
@@ -263,8 +282,7 @@ void MainWindow::saveImage(const QImage& image, const QString& path) {
 
 void MainWindow::showDataset() {
     const auto* dataset = session_.dataset();
-    setWindowTitle(dataset == nullptr ? QStringLiteral("ISOSLIDER")
-                                      : QStringLiteral("%1 – ISOSLIDER").arg(QString::fromStdString(dataset->name)));
+    setWindowTitle(dataset == nullptr ? QStringLiteral("ISOSLIDER") : titleOf(*dataset));
     if (dataset != nullptr && !dataset->path.empty() && recentFiles_->remember(model::recentOf(*dataset)))
         showRecentFiles();
     updateActions();

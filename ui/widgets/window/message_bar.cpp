@@ -4,15 +4,23 @@
 #include <QKeyEvent>
 #include <QLabel>
 #include <QPushButton>
+#include <QRegularExpression>
 #include <QToolButton>
 #include <QVBoxLayout>
 
 #include "ui/widgets/common/icon_loader.h"
+#include "ui/widgets/common/small_widgets.h"
 
 namespace isoslider::widgets {
 namespace {
 
 constexpr int kInformationMs = 6000;
+
+/// Names of files that no line has room for, without their middle.
+QString withoutLongWords(QString text) {
+    static const QRegularExpression longWord(QStringLiteral("(\\S{30})\\S{20,}(\\S{30})"));
+    return text.replace(longWord, QStringLiteral("\\1…\\2"));
+}
 
 } // namespace
 
@@ -36,6 +44,7 @@ MessageBar::MessageBar(QWidget* parent)
         label->setTextFormat(Qt::PlainText);
         label->setWordWrap(true);
         label->setTextInteractionFlags(Qt::TextSelectableByMouse);
+        label->setMinimumWidth(1); // a word as long as a file's name makes no wide window
         texts->addWidget(label);
     }
     close_->setObjectName(QStringLiteral("messageBarClose"));
@@ -76,10 +85,12 @@ void MessageBar::showNotice(const model::Notice& notice) {
         delete item;
     }
     const bool isError = notice.severity == model::Notice::Severity::Error;
-    title_->setText(QString::fromStdString(notice.title));
+    title_->setText(withoutLongWords(QString::fromStdString(notice.title)));
     detail_->setText(QString::fromStdString(notice.detail));
     detail_->setVisible(!notice.detail.empty());
     setAccessibleName(text());
+    const QString whole = QString::fromStdString(notice.title + '\n' + notice.detail);
+    setToolTip(withoutLongWords(whole) != whole ? plainTip(whole) : QString()); // something may be cut off
     const bool isDark = parentWidget()->palette().color(QPalette::Window).lightness() < 128;
     const QColor accent = isError ? (isDark ? QColor(255, 138, 122) : QColor(176, 32, 20))
                                   : (isDark ? QColor(130, 190, 255) : QColor(20, 92, 170));
