@@ -1,7 +1,13 @@
 #pragma once
 
+#include <map>
+#include <optional>
+
+#include <QElapsedTimer>
+#include <QTimer>
 #include <QWidget>
 
+#include "ui/model/jobs/job_model.h"
 #include "ui/model/observers.h"
 
 class QProgressBar;
@@ -13,7 +19,8 @@ class Session;
 
 namespace isoslider::widgets {
 
-/// What is worked on behind the surface, in the status bar: the newest job that has been running for a moment.
+/// What is worked on behind the surface, in the status bar: the newest job that has been running for a moment, whether
+/// it has reported anything by then or not. It can be cancelled there.
 class JobStatus : public QWidget {
     Q_OBJECT
 public:
@@ -25,10 +32,15 @@ Q_SIGNALS:
 
 private:
     void showJobs();
+    void noteBegins();
 
     model::Session& session_;
+    std::map<model::JobId, QElapsedTimer> begins_; ///< of those that run: a job may be silent for long
+    QTimer moment_; ///< until one of them has been running for a moment
     QToolButton* text_;
+    QToolButton* cancel_;
     QProgressBar* bar_;
+    std::optional<model::JobId> shown_;
     model::Subscription subscription_;
 };
 
