@@ -2,13 +2,17 @@
 #include <QAction>
 #include <QImage>
 #include <QTest>
+#include <QThread>
+#include <QToolButton>
 
 #include "core/volume_io/volume_reader.h"
 #include "tests/gui/sync_watch.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/model/session/saved_session.h"
+#include "ui/render/gl_support.h"
 #include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
@@ -102,6 +106,59 @@ TEST_F(WritingTest, APictureThatCannotBeWrittenIsTold) {
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("could not be saved")));
 }
 
+/// A card that takes as long as a test wants, five seconds at most.
+class HeldDriver final : public render::GlDriver {
+public:
+    std::atomic<bool> holds = false;
+    std::atomic<bool> gaveUp = false; ///< nobody released it
+
+    bool isLost(QOpenGLContext& context) override {
+        for (int i = 0; holds && i < 1000; ++i)
+            QThread::msleep(5);
+        gaveUp = gaveUp || holds;
+        return GlDriver::isLost(context);
+    }
+};
+
+TEST_F(WritingTest, TheWindowGoesOnWhileAPictureIsDrawn) {
+    auto* viewport = window_->viewportHost().viewport();
+    if (viewport == nullptr || !render::isOpenGlSoftware())
+        GTEST_SKIP() << "of a card that draws textures nobody asks whether it is lost";
+    const auto driver = std::make_shared<HeldDriver>();
+    viewport->setDriver(driver);
+    const auto painted = viewport->paintedFrames();
+    ASSERT_TRUE(waitUntil([&] { return viewport->paintedFrames() > painted; }));
+    auto* status = child<QWidget>("jobStatus");
+    dialogs_.answers = {qpath(folder_ / "first.png"), qpath(folder_ / "view.png")};
+    driver->holds = true;
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([&] { return status->isVisible(); }, std::chrono::seconds(4)));
+    EXPECT_FALSE(driver->gaveUp) << "the window has waited for the picture";
+    EXPECT_EQ(status->findChild<QToolButton*>()->text(), QStringLiteral("Save first.png"));
+    keepPicture(*window_, "save_image_job");
+    auto* cancel = child<QToolButton>("cancelShownJob");
+    QTest::mouseClick(cancel, Qt::LeftButton);
+    EXPECT_TRUE(waitUntil([&] { return !status->isVisible(); }, std::chrono::seconds(3)));
+    EXPECT_FALSE(driver->gaveUp);
+    EXPECT_FALSE(window_->messageBar().isVisible()) << "the user knows";
+    driver->holds = false;
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Image saved")));
+    EXPECT_FALSE(QImage(qpath(folder_ / "view.png")).isNull());
+    EXPECT_FALSE(fs::exists(folder_ / "first.png"));
+}
+
+TEST_F(WritingTest, APictureIsWrittenThoughTheWindowCloses) {
+    if (window_->viewportHost().viewport() == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    dialogs_.answers.push_back(qpath(folder_ / "view.png"));
+    trigger("file.saveImage");
+    window_.reset();
+    session_.reset();
+    EXPECT_FALSE(QImage(qpath(folder_ / "view.png")).isNull());
+}
+
 TEST_F(WritingTest, NoOutputReplacesAFileOfTheOpenVolume) {
     const auto volume = folder_ / "ball.mha";
     const auto before = fs::file_size(volume);
@@ -121,6 +178,15 @@ TEST_F(WritingTest, NoOutputReplacesAFileOfTheOpenVolume) {
     }
     keepPicture(*window_, "export_onto_volume");
     EXPECT_EQ(fs::file_size(volume), before);
+    EXPECT_TRUE(io::readVolume(volume).isOk());
+    if (window_->viewportHost().viewport() == nullptr)
+        return;
+    fs::create_symlink(volume, folder_ / "link.png");
+    window_->messageBar().hide();
+    dialogs_.answers.push_back(qpath(folder_ / "link.png"));
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("the open volume is read from")));
     EXPECT_TRUE(io::readVolume(volume).isOk());
 }
 

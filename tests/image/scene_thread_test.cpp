@@ -66,5 +66,54 @@ TEST_F(SceneThreadTest, WhatMustBeWholeHasNoDraft) {
     EXPECT_FALSE(firstOf(serial).isDraft);
 }
 
+TEST_F(SceneThreadTest, AnOrderedPictureIsThatOfItsView) {
+    view_.pixels = {300, 240};
+    const auto shown = scene_->ask(view_, {.mustBeWhole = true, .asImage = true});
+    scene_->waitFor(shown);
+    const QImage expected = scene_->take().image;
+    const auto order = std::make_shared<render::PictureOrder>(view_);
+    scene_->order(order);
+    const auto picture = order->waitFor(std::chrono::seconds(20));
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(*picture, expected);
+    EXPECT_EQ(scene_->take().serial, shown) << "nobody is shown it";
+}
+
+TEST_F(SceneThreadTest, AnOrderedPictureGivesWayButIsDrawnInTheEnd) {
+    const auto order = std::make_shared<render::PictureOrder>(view_);
+    scene_->order(order);
+    QElapsedTimer clock;
+    clock.start();
+    std::optional<QImage> picture;
+    std::uint64_t last = 0;
+    while (!picture && clock.elapsed() < 20'000) { // as while the handle is dragged
+        last = scene_->ask(view_);
+        picture = order->waitFor(std::chrono::milliseconds(20));
+    }
+    ASSERT_TRUE(picture);
+    EXPECT_FALSE(picture->isNull());
+    EXPECT_GE(order->fraction(), 0.0);
+    scene_->waitFor(last);
+    EXPECT_EQ(scene_->take().serial, last);
+}
+
+TEST_F(SceneThreadTest, AnOrderedPictureCanBeCancelled) {
+    const auto order = std::make_shared<render::PictureOrder>(view_);
+    order->cancel();
+    scene_->order(order);
+    const auto picture = order->waitFor(std::chrono::seconds(20));
+    ASSERT_TRUE(picture);
+    EXPECT_TRUE(picture->isNull());
+}
+
+TEST_F(SceneThreadTest, WhatWasOrderedIsDrawnBeforeTheEnd) {
+    const auto order = std::make_shared<render::PictureOrder>(view_);
+    scene_->order(order);
+    scene_.reset();
+    const auto picture = order->waitFor(std::chrono::milliseconds(0));
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->size(), QSize(3000, 2400));
+}
+
 } // namespace
 } // namespace isoslider::test

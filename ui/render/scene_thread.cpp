@@ -23,10 +23,14 @@ constexpr int kSamples = 4;
 constexpr double kFluentMs = 40.0;
 /// A view nothing follows for so long is drawn whole.
 constexpr std::chrono::milliseconds kRest(100);
+/// So long a picture that was ordered gives way to views, and begins again; then they wait for it.
+constexpr std::chrono::milliseconds kLongestGivingWay(1000);
 
 double millisecondsSince(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
+
+bool givesWayNoMore(Clock::time_point ordered) { return Clock::now() - ordered > kLongestGivingWay; }
 
 /// At least so many that what a picture costs without any surface is seen to be small.
 double trianglesOf(const SceneView& view) {
@@ -96,6 +100,8 @@ public:
             slot.read = nullptr;
             slot.picture = {};
         }
+        gl_->glDeleteTextures(1, &ordered_.name);
+        ordered_ = {};
         whole_.reset();
         draft_.reset();
         renderer_.release();
@@ -132,6 +138,15 @@ public:
             msPerTriangle_ = millisecondsSince(begin) / trianglesOf(view);
         return true;
     }
+    /// A whole picture that nobody is shown; none if it was stopped, a null one without memory for it.
+    std::optional<QImage> draw(const SceneView& view, const std::function<bool()>& isStopped) {
+        if (!whole_->bind(view.pixels))
+            return QImage();
+        if (!renderer_.draw(view, SceneRenderer::Detail::Whole, isStopped))
+            return std::nullopt;
+        whole_->resolve(ordered_);
+        return whole_->read(ordered_, view.pixels);
+    }
     /// Of a whole picture, from the last one.
     double expectedMs(const SceneView& view) const { return msPerTriangle_ * trianglesOf(view); }
 
@@ -147,6 +162,7 @@ private:
     SceneRenderer renderer_;
     Gl* gl_ = nullptr;
     std::optional<PictureTarget> whole_, draft_;
+    PictureTexture ordered_;
     double msPerTriangle_ = 0.0; ///< whole picture
     bool isWorking_ = false;
 };
@@ -165,6 +181,7 @@ SceneThread::SceneThread(QOpenGLContext* shared, std::shared_ptr<GlDriver> drive
 
 SceneThread::~SceneThread() {
     if (!thread_) {
+        refuseOrders();
         painter_->end(slots_);
         return;
     }
@@ -179,17 +196,72 @@ SceneThread::~SceneThread() {
 void SceneThread::run() {
     if (!painter_->begin())
         stopWorking(false);
-    while (const auto asked = nextAsked())
-        draw(*painter_, *asked);
+    while (const auto work = nextWork()) {
+        if (work->asked)
+            draw(*painter_, *work->asked);
+        else
+            drawOrdered(*painter_, *work->ordered);
+    }
+    refuseOrders();
     painter_->end(slots_);
     painter_->moveTo(painter_->home());
 }
 
-std::optional<SceneThread::Asked> SceneThread::nextAsked() {
+// Of what was ordered nothing is lost at the end: it is for a file that someone has asked for.
+std::optional<SceneThread::Work> SceneThread::nextWork() {
     std::unique_lock lock(mutex_);
-    wasAsked_.wait(lock, [this] { return isStopping_ || (asked_ && isWorking_); });
+    wasAsked_.wait(lock, [this] { return isStopping_ || ((asked_ || !orders_.empty()) && isWorking_); });
+    const bool isOrderDue = !orders_.empty() && (isStopping_ || !asked_ || givesWayNoMore(orders_.front().since));
+    if (isOrderDue && isWorking_)
+        return Work{{}, orders_.front()};
     isBusy_ = !isStopping_;
-    return isStopping_ ? std::nullopt : std::exchange(asked_, std::nullopt);
+    if (isStopping_)
+        return std::nullopt;
+    return Work{std::exchange(asked_, std::nullopt), std::nullopt};
+}
+
+void SceneThread::drawOrdered(Painter& painter, const Ordered& ordered) {
+    const auto& order = ordered.order;
+    order->begin(painter.expectedMs(order->view()));
+    const auto isStopped = [&] {
+        const std::lock_guard lock(mutex_);
+        return order->isCancelled() || (asked_ && !isStopping_ && !givesWayNoMore(ordered.since));
+    };
+    if (painter.isLost())
+        return stopWorking(true); // and refuses it
+    auto picture = order->isCancelled() ? std::optional(QImage()) : painter.draw(order->view(), isStopped);
+    if (!picture && !order->isCancelled())
+        return; // to the view that is asked for, and once more
+    {
+        const std::lock_guard lock(mutex_);
+        orders_.pop_front();
+        uploadedBytes_ = painter.uploadedBytes();
+    }
+    order->settle(picture ? std::move(*picture) : QImage());
+}
+
+void SceneThread::refuseOrders() {
+    std::list<Ordered> orders;
+    {
+        const std::lock_guard lock(mutex_);
+        orders.swap(orders_);
+    }
+    for (const Ordered& ordered : orders)
+        ordered.order->settle(QImage());
+}
+
+void SceneThread::order(std::shared_ptr<PictureOrder> order) {
+    const Ordered ordered{std::move(order), Clock::now()};
+    {
+        const std::lock_guard lock(mutex_);
+        if (isWorking_)
+            orders_.push_back(ordered);
+        else
+            ordered.order->settle(QImage());
+    }
+    wasAsked_.notify_all();
+    if (!thread_ && isWorking() && painter_->makeCurrent())
+        drawOrdered(*painter_, ordered);
 }
 
 // A draft is always finished: else nothing would be seen of a view that changes fast.
@@ -209,6 +281,7 @@ void SceneThread::stopWorking(bool isLost) {
         isWorking_ = false;
         isLost_ = isLost;
     }
+    refuseOrders();
     wasDrawn_.notify_all();
     pictureIsReady_();
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -11,6 +13,7 @@
 #include <QImage>
 
 #include "ui/render/gl_driver.h"
+#include "ui/render/picture_order.h"
 #include "ui/render/picture_target.h"
 #include "ui/render/scene_view.h"
 
@@ -50,6 +53,9 @@ public:
 
     /// The number of the view, from 1. REQUIRES: it has pixels.
     std::uint64_t ask(SceneView view, PictureUse use = {});
+    /// Draws a picture besides, as soon as no view waits: to that it gives way, for a second at most. It is settled
+    /// also where nothing can be drawn; the destructor draws what was ordered before.
+    void order(std::shared_ptr<PictureOrder> order);
     /// Until the view with this number, or a newer one, is drawn whole, or nothing can be drawn.
     void waitFor(std::uint64_t serial);
     /// The newest picture; it stays as it is until the next call.
@@ -82,7 +88,17 @@ private:
     };
 
     void run();
-    std::optional<Asked> nextAsked();
+    struct Ordered {
+        std::shared_ptr<PictureOrder> order;
+        std::chrono::steady_clock::time_point since;
+    };
+    struct Work { ///< one of both
+        std::optional<Asked> asked;
+        std::optional<Ordered> ordered;
+    };
+    std::optional<Work> nextWork();
+    void drawOrdered(Painter& painter, const Ordered& ordered);
+    void refuseOrders();
     bool isOvertaken(const Asked& asked, bool isDraft) const;
     bool isStillAfterRest();
     void drawHere(Asked asked);
@@ -100,6 +116,7 @@ private:
     mutable std::mutex mutex_; ///< over all below
     std::condition_variable wasAsked_, wasDrawn_;
     std::optional<Asked> asked_;
+    std::list<Ordered> orders_;
     std::uint64_t wholeSerial_ = 0; ///< the last that was drawn whole
     std::array<Slot, 3> slots_;
     std::optional<std::size_t> shown_, ready_; ///< places among the slots

@@ -1,10 +1,15 @@
 #include "ui/widgets/viewport/picture_file.h"
 
+#include <chrono>
+#include <optional>
+
 #include <QBuffer>
 #include <QByteArray>
 #include <QImageWriter>
+#include <QPainter>
 
 #include "core/base/file_system.h"
+#include "ui/render/picture_order.h"
 
 namespace isoslider::widgets {
 
@@ -18,6 +23,26 @@ Status writePicture(const QImage& picture, const std::filesystem::path& path) {
     if (!writer.write(picture))
         return makeError(ErrorCode::OutOfSpace, "the picture could not be encoded", path.string());
     return writeWholeFile(path, std::string_view(bytes.constData(), static_cast<std::size_t>(bytes.size())));
+}
+
+Status writeOrdered(const ViewportHost::OrderedPicture& ordered, const std::filesystem::path& path,
+                    const JobControl& job) {
+    constexpr std::chrono::milliseconds kLook(20);
+    constexpr double kDrawing = 0.9; // of the whole
+    std::optional<QImage> picture;
+    while (!picture) {
+        picture = ordered.scene->waitFor(kLook);
+        if (!picture && job.isStopRequested()) {
+            ordered.scene->cancel();
+            return cancelledError();
+        }
+        job.report(kDrawing * ordered.scene->fraction(), "drawing");
+    }
+    if (picture->isNull())
+        return makeError(ErrorCode::IoError, "the graphics card could not draw the picture", path.string());
+    QPainter(&*picture).drawImage(0, 0, ordered.above);
+    job.report(kDrawing, "writing");
+    return writePicture(*picture, path);
 }
 
 } // namespace isoslider::widgets

@@ -428,14 +428,29 @@ QImage ViewportHost::picture() {
     if (viewport_ == nullptr)
         return {};
     QImage picture = viewport_->grabFramebuffer();
-    if (picture.isNull())
-        return picture;
+    if (!picture.isNull())
+        paintAbove(picture);
+    return picture;
+}
+
+// As the camera stands now: it may have moved on by the time that the surface is drawn.
+ViewportHost::OrderedPicture ViewportHost::orderPicture() {
+    OrderedPicture ordered{viewport_ != nullptr ? viewport_->orderPicture() : nullptr, {}};
+    if (ordered.scene == nullptr)
+        return ordered;
+    const glm::ivec2 pixels = ordered.scene->view().pixels;
+    ordered.above = QImage(pixels.x, pixels.y, QImage::Format_ARGB32_Premultiplied);
+    ordered.above.fill(Qt::transparent);
+    paintAbove(ordered.above);
+    return ordered;
+}
+
+void ViewportHost::paintAbove(QImage& picture) {
     QPainter painter(&picture);
     painter.scale(static_cast<double>(picture.width()) / std::max(1, viewport_->width()),
                   static_cast<double>(picture.height()) / std::max(1, viewport_->height()));
     guides_->paint(painter);
     measure_->view().paint(painter);
-    return picture;
 }
 
 void ViewportHost::resizeEvent(QResizeEvent* event) {

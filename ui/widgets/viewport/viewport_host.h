@@ -20,7 +20,8 @@ class Session;
 
 namespace isoslider::render {
 struct InactiveSurface;
-}
+class PictureOrder;
+} // namespace isoslider::render
 
 namespace isoslider::widgets {
 
@@ -53,6 +54,12 @@ public:
     /// What is in the view, whole and up to date, with the orientation cube, the scale bar and what is measured;
     /// in pixels of the screen. Null without a view.
     QImage picture();
+    /// The same as a picture that is drawn while the window goes on. `above` belongs over it.
+    struct OrderedPicture {
+        std::shared_ptr<render::PictureOrder> scene; ///< null without a view
+        QImage above;
+    };
+    OrderedPicture orderPicture();
     /// Crop box and clip plane; null without a view.
     ClipTool* clipTool() { return clip_; }
     StartPage& startPage() { return *startPage_; }
@@ -83,6 +90,7 @@ private:
     void applyOptions();
     void placeOverlays();
     bool fits(const QWidget& overlay) const;
+    void paintAbove(QImage& picture);
 
     model::Session& session_;
     model::ViewState viewState_;

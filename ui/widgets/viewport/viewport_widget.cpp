@@ -204,19 +204,37 @@ glm::ivec2 ViewportWidget::pixels() const {
     return {std::lround(width() * ratio), std::lround(height() * ratio)};
 }
 
-void ViewportWidget::ask(render::PictureUse use) {
+// One whose pixels can be drawn.
+bool ViewportWidget::hasScene() {
     if (!scene_ && textures_ == nullptr)
         makeScene();
-    askedPixels_ = pixels();
-    if (!scene_ || askedPixels_.x <= 0 || askedPixels_.y <= 0)
-        return;
-    isStale_ = false;
-    render::SceneView view{frame_,       volume_, {},    slices_,   camera_, options_,
-                           askedPixels_, caps_,   look_, inactive_, colours_};
+    const glm::ivec2 size = pixels();
+    return scene_ != nullptr && size.x > 0 && size.y > 0;
+}
+
+render::SceneView ViewportWidget::sceneView() const {
+    render::SceneView view{frame_,   volume_, {},    slices_,   camera_, options_,
+                           pixels(), caps_,   look_, inactive_, colours_};
     if (spot_)
         view.spot = render::Spot{*spot_, spotStrength_, static_cast<float>(devicePixelRatioF())};
-    asked_ = scene_->ask(std::move(view), use);
+    return view;
+}
+
+void ViewportWidget::ask(render::PictureUse use) {
+    askedPixels_ = pixels();
+    if (!hasScene())
+        return;
+    isStale_ = false;
+    asked_ = scene_->ask(sceneView(), use);
     noteBehind();
+}
+
+std::shared_ptr<render::PictureOrder> ViewportWidget::orderPicture() {
+    if (!hasScene())
+        return nullptr;
+    auto order = std::make_shared<render::PictureOrder>(sceneView());
+    scene_->order(order);
+    return order;
 }
 
 render::SceneThread::Picture ViewportWidget::pictureToShow(bool isGrabbed) {

@@ -51,6 +51,8 @@ public:
     void setDriver(std::shared_ptr<render::GlDriver> driver);
     /// Whole, of all that was set, in pixels of the screen.
     QImage grabFramebuffer();
+    /// The same, drawn while the window goes on; null without a view to draw.
+    std::shared_ptr<render::PictureOrder> orderPicture();
     /// Brings the newest picture to the screen once more.
     void showAgain() { view_->update(); }
     /// The widget that shows the pictures, and the context of it or, with images, of them. For tests.
@@ -111,6 +113,8 @@ private:
     void rebuildContext();
     void setStale();
     void askIfStale();
+    bool hasScene();
+    render::SceneView sceneView() const;
     void ask(render::PictureUse use = {});
     void notePicture();
     glm::ivec2 pixels() const;

@@ -12,11 +12,12 @@
 #include <QFileInfo>
 #include <QIcon>
 #include <QMimeData>
+#include <QPointer>
 #include <QScreen>
 #include <QStatusBar>
 #include <QVBoxLayout>
 
-#include "ui/model/jobs/latest_job.h"
+#include "ui/model/session/read_files.h"
 #include "ui/model/session/session.h"
 #include "ui/model/slices/slice_model.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
@@ -68,7 +69,6 @@ QSize initialSize(const QWidget& window) {
     return kUseful.boundedTo(available.expandedTo(QSize(1, 1)));
 }
 
-constexpr int kLayoutVersion = 4; // goes up when a panel comes or goes
 constexpr qsizetype kMostFieldLetters = 48;
 
 /// "flow.nc – speed, frame 3": the file, and what of it is shown where it states more than samples.
@@ -88,6 +88,7 @@ QString titleOf(const model::Dataset& dataset) {
     return (chosen.isEmpty() ? name : name + QStringLiteral(" – ") + chosen) + QStringLiteral(" – ISOSLIDER");
 }
 
+constexpr int kLayoutVersion = 4; // goes up when a panel comes or goes
 constexpr int kPanelWidth = 450;
 constexpr int kHistogramDockHeight = 290;
 constexpr QSize kSmallestWindow(320, 240); // smaller than all panels together, see CompactLayout
@@ -110,8 +111,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
                                 tr("Open Second Volume"),
                                 {}},
                                session.services(), settings, dialogs, this)),
-      slices_(std::make_unique<model::SliceModel>(session)),
-      jobs_(std::make_shared<model::BackgroundJobs>(session.services().postToMain)) {
+      slices_(std::make_unique<model::SliceModel>(session)) {
     setObjectName(QStringLiteral("mainWindow"));
     setWindowTitle(QStringLiteral("ISOSLIDER"));
     setWindowIcon(QIcon(QStringLiteral(":/isoslider/icons/isoslider.svg")));
@@ -254,29 +254,37 @@ void MainWindow::openFile(const QString& path, std::optional<double> isovalue, c
 void MainWindow::askSaveImage() {
     if (host_->viewport() == nullptr)
         return;
-    // A large surface may take seconds to be drawn whole: after the question.
     dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
                      tr("PNG image (*.png)"), [this](const QString& path) {
                          if (host_->viewport() != nullptr)
-                             saveImage(host_->picture(), path);
+                             saveImage(path);
                      });
 }
 
-void MainWindow::saveImage(const QImage& image, const QString& path) {
-    jobs_->runner().run<bool>(
-        "Save image",
-        [image, path](const JobControl&) -> Result<bool> {
-            ISO_TRY(writePicture(image, std::filesystem::path(path.toStdU16String())));
+// A large surface may take seconds to be drawn whole: a job among the others, which can be cancelled.
+void MainWindow::saveImage(const QString& path) {
+    auto ordered = host_->orderPicture();
+    if (ordered.scene == nullptr)
+        return;
+    session_.runner().run<bool>(
+        "Save " + QFileInfo(path).fileName().toStdString(),
+        [ordered = std::move(ordered), file = std::filesystem::path(path.toStdU16String()),
+         read = model::ReadFiles({session_.dataset(), session_.secondVolume().dataset()})](
+            const JobControl& job) -> Result<bool> {
+            ISO_TRY(read.checkNotReplacedBy(file));
+            ISO_TRY(writeOrdered(ordered, file, job));
             return true;
         },
-        [this, path](const Result<bool>& saved) {
+        [window = QPointer(this), path](const Result<bool>& saved) {
             using Severity = model::Notice::Severity;
+            if (window == nullptr || saved.isCancelled())
+                return;
             if (saved.isOk())
-                messageBar_->showNotice({Severity::Information, tr("Image saved").toStdString(),
-                                         QDir::toNativeSeparators(path).toStdString()});
+                window->messageBar_->showNotice({Severity::Information, tr("Image saved").toStdString(),
+                                                 QDir::toNativeSeparators(path).toStdString()});
             else
-                messageBar_->showNotice({Severity::Error, tr("The image could not be saved").toStdString(),
-                                         saved.error().line(), saved.error().code});
+                window->messageBar_->showNotice({Severity::Error, tr("The image could not be saved").toStdString(),
+                                                 saved.error().line(), saved.error().code});
         });
 }
 

@@ -14,7 +14,6 @@ class QDockWidget;
 class QMenu;
 
 namespace isoslider::model {
-class BackgroundJobs;
 class Session;
 class SliceModel;
 } // namespace isoslider::model
@@ -78,7 +77,7 @@ private:
     std::vector<QDockWidget*> allDocks() const;
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
     void askSaveImage();
-    void saveImage(const QImage& image, const QString& path);
+    void saveImage(const QString& path);
     void showDataset();
     void showRecentFiles();
     void updateActions();
@@ -114,8 +113,6 @@ private:
     QDockWidget* surfacesDock_ = nullptr;
     QDockWidget* jobsDock_ = nullptr;
     std::vector<model::Subscription> subscriptions_;
-    std::shared_ptr<model::BackgroundJobs>
-        jobs_; ///< not shown among the session's; last: waits for what is being written
 };
 
 } // namespace isoslider::widgets
