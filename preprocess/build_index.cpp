@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <tbb/task_arena.h>
@@ -15,6 +16,7 @@
 #include "core/index/level_store.h"
 #include "preprocess/forecast/metered_file_system.h"
 #include "preprocess/index_builds.h"
+#include "preprocess/resume/completed_build.h"
 
 namespace isoslider::preprocess {
 
@@ -58,6 +60,12 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     if (isBrief(source.info().geometry.dims, options))
         actual.checkpointSeconds = -1.0;
     BuildReport report;
+    std::optional<CompletedBuild> completed;
+    if (options.leavesTopology)
+        completed.emplace(indexPath, BuildIdentity::of(source, options), options);
+    if (completed && options.resumes)
+        if (auto found = completed->find())
+            return std::move(*found);
     const auto build = options.kind == index::IndexKind::Edges ? buildEdges : buildMetacells;
     // More threads than cores would only make TBB complain.
     const int cores = tbb::this_task_arena::max_concurrency();
@@ -69,6 +77,8 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     report.temporaryBytes = metered.mostBytes();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.peakRssBytes = peakRssBytes();
+    if (completed && actual.checkpointSeconds >= 0.0)
+        completed->note(report);
     return report;
 }
 

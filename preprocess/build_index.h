@@ -33,6 +33,9 @@ struct BuildOptions {
     /// An unfinished build that does not fit, of another input or another version of the program, makes room for this
     /// one; otherwise it is refused.
     bool replacesUnfit = false;
+    /// Whoever builds adds the topology next, and calls forgetCompletedBuild() then. Until then NAME.resume states that
+    /// the index is complete: a build that is to go on builds nothing.
+    bool leavesTopology = false;
     double checkpointSeconds = 10.0; ///< at least, between two checkpoints; below 0: none
     FileSystem* fileSystem = nullptr; ///< what to write through; null: the disk
 };
@@ -61,5 +64,8 @@ struct BuildReport {
 /// forecast asks for more of the disk than is free), Cancelled, whatever the source reports.
 Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
                                const BuildOptions& options = {}, const JobControl& job = {});
+
+/// The topology is there, or will not be: see BuildOptions::leavesTopology.
+void forgetCompletedBuild(const std::filesystem::path& indexPath, FileSystem& fileSystem = defaultFileSystem());
 
 } // namespace isoslider::preprocess

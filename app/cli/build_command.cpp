@@ -167,14 +167,18 @@ public:
         const JobControl all = bar.job();
         const JobControl building = withTopology_ ? all.part(0.0, 0.5) : all, analysing = all.part(0.5, 1.0);
         auto report = build(*source.value(), building);
-        if (report.isOk() && withTopology_)
-            if (Status added = addTopology(*source.value(), report.value(), analysing); added.isCancelled()) {
+        if (report.isOk() && withTopology_) {
+            Status added = addTopology(*source.value(), report.value(), analysing);
+            if (!added.isCancelled() || !resumes_)
+                preprocess::forgetCompletedBuild(indexPath_);
+            if (added.isCancelled()) {
                 bar.wipe();
                 return {ExitCode::Interrupted,
                         fmt::format("interrupted; '{}' is whole, but has no topology", indexPath_)};
-            } else if (!added.isOk()) {
-                report = std::move(added).error();
             }
+            if (!added.isOk())
+                report = std::move(added).error();
+        }
         bar.wipe();
         if (!report.isOk())
             return report.error();
@@ -237,6 +241,7 @@ private:
         returnLargeBlocksAtOnce();
         options.threads = static_cast<int>(threads_);
         options.withTopology = withTopology_;
+        options.leavesTopology = withTopology_;
         options.resumes = resumes_;
         options.checkpointSeconds = checkpointSeconds_.value_or(options.checkpointSeconds);
         options.sourceName = std::filesystem::path(volumePath_).filename().string();
@@ -274,6 +279,11 @@ private:
     }
 
     Status tryTopology(io::VolumeSource& source, Built& built, const JobControl& job) const {
+        if (built.report.isResumed) // it may have been killed at its very end
+            if (const auto there = topology::openTopology(indexPath_); there.isOk() && there.value()) {
+                noteTopology(there.value()->hasEvents(), there.value()->eventCount(), built);
+                return {};
+            }
         const auto reader = index::IndexReader::open(indexPath_);
         if (!reader.isOk())
             return reader.error();
@@ -297,12 +307,16 @@ private:
             return curve.error();
         ISO_TRY(source.checkUnchanged());
         ISO_TRY(topology::storeTopology(*reader.value(), curve.value()));
-        built.hasEvents = curve.value().hasEvents();
-        built.events = curve.value().eventCount();
+        noteTopology(curve.value().hasEvents(), curve.value().eventCount(), built);
+        return {};
+    }
+
+    void noteTopology(bool hasEvents, std::uint64_t events, Built& built) const {
+        built.hasEvents = hasEvents;
+        built.events = events;
         const auto file = defaultFileSystem().openForReading(indexPath_);
         if (file.isOk())
             built.topologyBytes = file.value()->sizeBytes() - built.report.info.indexBytes;
-        return {};
     }
 
     // The program itself is beside the budget, what the build left in memory is not.

@@ -258,7 +258,7 @@ private:
         answer.json["events"] = Json::array();
         answer.text = !summary.hasEvents()
                           ? std::string()
-                          : fmt::format("{:>14} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind",
+                          : fmt::format("{:>20} {:<12} {:>12} {:>18} {:>18} {:>18} {:>20}\n", "isovalue", "kind",
                                         "persistence", "pieces", "tunnels", "boundary loops", "near grid point");
         const auto change = [](std::int64_t before, std::int64_t after) {
             return before == after ? fmt::format("{}", before) : fmt::format("{} > {}", before, after);
@@ -266,7 +266,7 @@ private:
         for (const auto& [event, weight] : events.value()) {
             answer.json["events"].push_back(eventJson(event, summary.areCountsExact()));
             answer.text +=
-                fmt::format("{:>14.7g} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
+                fmt::format("{:>20} {:<12} {:>12.5g} {:>18} {:>18} {:>18} {:>20}\n", event.isovalue,
                             topology::eventKindName(event.kind), event.persistence,
                             change(event.below.components, event.above.components),
                             summary.areCountsExact() ? change(event.below.handles(), event.above.handles()) : "unknown",
@@ -302,7 +302,7 @@ private:
         for (const char* name : {"isovalue", "components", "euler", "boundary_loops", "handles", "voids"})
             answer.json[name] = Json::array();
         const bool isMeasured = !summary.curves().isEmpty();
-        answer.text = fmt::format("{:>14} {:>10} {:>10} {:>14} {:>8} {:>12}", "isovalue", "pieces", "tunnels",
+        answer.text = fmt::format("{:>20} {:>10} {:>10} {:>14} {:>8} {:>12}", "isovalue", "pieces", "tunnels",
                                   "boundary loops", "voids", "Euler number");
         if (isMeasured)
             answer.text +=
@@ -314,9 +314,9 @@ private:
                 return counts.error();
             answer.json["isovalue"].push_back(isovalue);
             Json all = countsJson(counts.value(), summary.areCountsExact());
-            answer.text += fmt::format("{:>14.7g} {:>10} {:>10} {:>14} {:>8} {:>12}", isovalue,
-                                       counts.value().components, tunnelsText(counts.value(), summary.areCountsExact()),
-                                       counts.value().loops, counts.value().voids, counts.value().euler);
+            answer.text += fmt::format("{:>20} {:>10} {:>10} {:>14} {:>8} {:>12}", isovalue, counts.value().components,
+                                       tunnelsText(counts.value(), summary.areCountsExact()), counts.value().loops,
+                                       counts.value().voids, counts.value().euler);
             if (isMeasured) {
                 const topology::SurfaceMeasures measures = summary.curves().at(isovalue);
                 all.update(measuresJson(measures));
@@ -357,7 +357,7 @@ private:
         for (const double isovalue : isovalues)
             answer.text += fmt::format("{}\n", isovalue);
         if (isovalues.empty())
-            answer.text = "no isovalue has so much\n";
+            answer.text = "no isovalue has exactly so much\n";
         return {};
     }
 
@@ -396,7 +396,7 @@ private:
         for (const auto& suggestion : suggestions.value()) {
             answer.json["suggestions"].push_back(
                 {{"isovalue", suggestion.isovalue}, {"reason", topology::reasonText(suggestion.reason)}});
-            answer.text += fmt::format("{:>14.7g}  {}\n", suggestion.isovalue, topology::reasonText(suggestion.reason));
+            answer.text += fmt::format("{:>20}  {}\n", suggestion.isovalue, topology::reasonText(suggestion.reason));
         }
         if (suggestions.value().empty())
             answer.text = "none: the volume has no surface\n";

@@ -68,15 +68,17 @@ private:
 };
 
 // Far from the world's origin neighbouring vertices would round to one float. Vertices of one grid point
-// lie kLeastDistance off it: half of that is the most that a float may be coarse.
+// lie kLeastDistance off it: half of that is the most that a float may be coarse. In units that are far too small or
+// too large floats have no such places at all.
 Precision neededPrecision(const TriangleSoup& soup, const GridGeometry& geometry) {
     double farthest = 0.0;
     for (const glm::dvec3& p : soup.positions)
         farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     const glm::dvec3& spacing = geometry.spacing;
     const double cell = std::min({std::abs(spacing.x), std::abs(spacing.y), std::abs(spacing.z)});
-    const double coarseness = farthest * std::numeric_limits<float>::epsilon();
-    return coarseness > cell * kLeastDistance / 2 ? Precision::Double : Precision::Float;
+    using Float = std::numeric_limits<float>;
+    const double coarseness = std::max<double>(farthest * Float::epsilon(), Float::min()); // below that digits are lost
+    return farthest > Float::max() || coarseness > cell * kLeastDistance / 2 ? Precision::Double : Precision::Float;
 }
 
 // Readers of STL, which has no numbers of vertices, join corners at one place.
@@ -90,14 +92,23 @@ std::size_t differentPlaces(const TriangleSoup& soup) {
     return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
 }
 
-Status checkFloatsKeepApart(const TriangleSoup& soup, const std::filesystem::path& path) {
+Status checkFloatsHoldPlaces(const TriangleSoup& soup, const std::filesystem::path& path) {
+    constexpr const char* kOthers = "; export to .ply .obj .off or .om";
+    constexpr double kMost = std::numeric_limits<float>::max();
+    const auto isFar = [](const glm::dvec3& p) {
+        return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kMost;
+    };
+    if (const auto far = std::count_if(soup.positions.begin(), soup.positions.end(), isFar); far > 0)
+        return makeError(ErrorCode::InvalidArgument,
+                         std::to_string(far) + " vertices lie beyond the 32-bit places of an STL file" + kOthers, path);
     const std::size_t lost = differentPlaces<double>(soup) - differentPlaces<float>(soup);
     if (lost == 0)
         return {};
     return makeError(ErrorCode::InvalidArgument,
                      std::to_string(lost) +
-                         " vertices would fall together in an STL file, which has 32-bit places only: so " +
-                         "far from the origin these are too coarse; export to .ply .obj .off or .om",
+                         " vertices would fall together in an STL file, whose places have 32 bits: "
+                         "too coarse so far from the origin, or in so small a unit" +
+                         kOthers,
                      path);
 }
 
@@ -137,7 +148,7 @@ Status writeSoup(const TriangleSoup& soup, const Certificate& certificate, const
     if (suffix == ".off")
         return writeOff(soup, precision, commentsOf(certificate), file, job);
     if (suffix == ".stl" && precision == Precision::Double)
-        ISO_TRY(checkFloatsKeepApart(soup, file.path()));
+        ISO_TRY(checkFloatsHoldPlaces(soup, file.path()));
     if (suffix == ".stl")
         return writeStl(soup, shortForm(certificate, kStlHeaderBytes), file, job);
     return precision == Precision::Double ? writeOm<DoubleMesh>(soup, file, job) : writeOm<FloatMesh>(soup, file, job);

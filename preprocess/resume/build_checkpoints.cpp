@@ -19,23 +19,23 @@ constexpr std::uint32_t kVersion = 2; ///< of all that is in a checkpoint; any c
 constexpr std::size_t kMaxTextBytes = 1u << 16;
 constexpr double kTimesAsLong = 50.0; // between checkpoints as one takes
 
-std::string versionText() {
-    return std::string(ISOSLIDER_VERSION) + " " + std::to_string(kVersion) + " " + std::to_string(index::kFormatMajor) +
-           "." + std::to_string(index::kFormatMinor);
-}
-
 std::filesystem::path targetOf(const std::filesystem::path& indexPath) {
     const auto target = linkTarget(indexPath);
     return target.isOk() ? target.value() : indexPath;
 }
 
-std::uint64_t hashOf(std::span<const std::byte> bytes) {
+} // namespace
+
+std::string checkpointVersion() {
+    return std::string(ISOSLIDER_VERSION) + " " + std::to_string(kVersion) + " " + std::to_string(index::kFormatMajor) +
+           "." + std::to_string(index::kFormatMinor);
+}
+
+std::uint64_t checksumOf(std::span<const std::byte> bytes) {
     ContentHash hash;
     hash.add(bytes);
     return hash.value();
 }
-
-} // namespace
 
 std::filesystem::path checkpointPath(const std::filesystem::path& indexPath) {
     std::filesystem::path path = targetOf(indexPath);
@@ -108,7 +108,7 @@ Result<std::optional<std::vector<std::byte>>> BuildCheckpoints::load() const {
     const std::uint64_t checksum = in.get<std::uint64_t>();
     // One that is not whole is none: the build starts again.
     if (in.hasFailed() || !std::equal(magic.begin(), magic.end(), std::as_bytes(std::span(kMagic)).begin()) ||
-        checksum != hashOf(std::span(bytes).subspan(bytes.size() - in.remaining())))
+        checksum != checksumOf(std::span(bytes).subspan(bytes.size() - in.remaining())))
         return none();
     const auto refuse = [&](const char* what) -> Result<std::optional<std::vector<std::byte>>> {
         if (replacesUnfit_)
@@ -117,7 +117,7 @@ Result<std::optional<std::vector<std::byte>>> BuildCheckpoints::load() const {
                          std::string("the unfinished build ") + what + "; build without --resume to start again",
                          path_.string());
     };
-    if (in.getString(kMaxTextBytes) != versionText())
+    if (in.getString(kMaxTextBytes) != checkpointVersion())
         return refuse("was begun by another version of the program");
     if (in.getString(kMaxTextBytes) != identity_.input)
         return refuse("is of another volume, or the volume has changed since");
@@ -139,7 +139,7 @@ Status BuildCheckpoints::save(const std::vector<std::byte>& state, std::uint64_t
                               std::chrono::steady_clock::time_point begin) {
     std::vector<std::byte> body;
     ByteWriter out(body);
-    out.putString(versionText());
+    out.putString(checkpointVersion());
     out.putString(identity_.input);
     out.putString(identity_.parameters);
     out.put<std::uint64_t>(indexBytes);
@@ -147,7 +147,7 @@ Status BuildCheckpoints::save(const std::vector<std::byte>& state, std::uint64_t
     std::vector<std::byte> head;
     ByteWriter headOut(head);
     headOut.putBytes(std::as_bytes(std::span(kMagic)));
-    headOut.put<std::uint64_t>(hashOf(body));
+    headOut.put<std::uint64_t>(checksumOf(body));
     auto file = AtomicFile::create(path_, fileSystem_);
     if (!file.isOk())
         return std::move(file).error();

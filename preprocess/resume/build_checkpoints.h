@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,9 @@ private:
     std::chrono::steady_clock::time_point next_;
 };
 
+/// Of what checkpoints hold: one is read by the version of the program that wrote it.
+std::string checkpointVersion();
+std::uint64_t checksumOf(std::span<const std::byte> bytes);
 /// Where the checkpoint of an index is.
 std::filesystem::path checkpointPath(const std::filesystem::path& indexPath);
 /// Whether there is one, of whatever build.

@@ -232,6 +232,46 @@ TEST_P(CliUnfinished, IsGoneOnWithOnRequest) {
     expectOnly(done_);
 }
 
+TEST_P(CliUnfinished, AddsTheTopologyThatAKillHasCutOff) {
+    const auto withTopology = [&](const std::string& name, const std::vector<std::string>& more) {
+        auto words = building(name, more);
+        words.erase(std::find(words.begin(), words.end(), "--no-topology"));
+        return words;
+    };
+    ASSERT_EQ(run(withTopology("whole.isx", {})).exitCode, 0);
+    const std::string bytes = readText(path("whole.isx"));
+    const auto isComplete = [&] { return readText(path("a.isx.resume")).starts_with("ISOBUILT"); };
+    const auto leaveWithoutTopology = [&] {
+        for (int attempt = 0; attempt < 200; ++attempt) {
+            ProcessOptions killed;
+            killed.signalToSend = SIGKILL;
+            killed.signalWhen = isComplete;
+            (void)run(withTopology("a.isx", {}), killed);
+            if (isComplete())
+                return;
+            fs::remove(path("a.isx"));
+        }
+        FAIL() << "never killed in time";
+    };
+    leaveWithoutTopology();
+    const auto json = runJson(withTopology("a.isx", {"--resume"}));
+    EXPECT_EQ(json["resumed"], true);
+    EXPECT_GT(json["topology_events"], 0);
+    EXPECT_EQ(json["index_bytes"].get<std::uint64_t>() + json["topology_bytes"].get<std::uint64_t>(), bytes.size());
+    EXPECT_TRUE(readText(path("a.isx")) == bytes);
+    expectOnly(done_);
+
+    fs::remove(path("a.isx"));
+    leaveWithoutTopology();
+    EXPECT_EQ(runJson(withTopology("a.isx", {"--resume", "--redundancy", "3"}))["resumed"], false);
+    expectOnly(done_);
+    leaveWithoutTopology();
+    fs::resize_file(path("a.isx"), 1000);
+    EXPECT_EQ(runJson(withTopology("a.isx", {"--resume"}))["resumed"], false) << "it is not that index any more";
+    EXPECT_TRUE(readText(path("a.isx")) == bytes);
+    expectOnly(done_);
+}
+
 TEST_P(CliUnfinished, IsReplacedByAPlainBuildThatStatesSo) {
     const std::string bytes = whole();
     leaveUnfinished();

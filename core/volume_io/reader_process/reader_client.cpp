@@ -168,12 +168,19 @@ private:
         if (signal == SIGKILL)
             return makeError(ErrorCode::OutOfSpace, "its reader was ended by the system because memory ran out",
                              volume_);
-        return makeError(ErrorCode::Corruption,
-                         "crashes its reader (" +
-                             (signal != 0 ? std::string("signal ") + std::to_string(signal)
-                                          : "exit status " + std::to_string(WEXITSTATUS(status))) +
-                             "): the file is damaged",
-                         volume_);
+        const int exitStatus = signal == 0 ? WEXITSTATUS(status) : 0;
+        constexpr int kCannotRun = 126, kNotFound = 127; // of shells, and of the system where a library is missing
+        if (exitStatus == kCannotRun || exitStatus == kNotFound)
+            return makeError(ErrorCode::IoError,
+                             "its reader cannot be started (exit status " + std::to_string(exitStatus) +
+                                 "): a library is missing, or there is no memory for it",
+                             volume_);
+        return makeError(
+            ErrorCode::Corruption,
+            "crashes its reader (" +
+                (signal != 0 ? "signal " + std::to_string(signal) : "exit status " + std::to_string(exitStatus)) +
+                "): the file is damaged",
+            volume_);
     }
 
     fs::path volume_;

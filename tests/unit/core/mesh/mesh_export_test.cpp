@@ -177,6 +177,30 @@ TEST(MeshExport, KeepsVerticesApartFarFromTheOrigin) {
     }
 }
 
+TEST(MeshExport, KeepsVerticesApartInUnitsThatFloatsCannotHold) {
+    for (const double spacing : {1e60, 1e39, 1e-46, 1e-60}) {
+        const TemporaryFolder folder;
+        auto mesh = test::tetrahedron();
+        mesh.geometry.spacing = glm::dvec3(spacing);
+        for (const char* suffix : {".ply", ".obj", ".off", ".om"}) {
+            const auto path = folder / (std::string("mesh") + suffix);
+            ASSERT_TRUE(exportCertified(mesh, path).isOk());
+            const auto report = checkMeshFile(path);
+            ASSERT_TRUE(report.isOk()) << report.error().line();
+            const auto soup = readMeshFile(path);
+            ASSERT_TRUE(soup.isOk());
+            double farthest = 0.0;
+            for (const auto& p : soup.value().positions)
+                farthest = std::max({farthest, p.x, p.y, p.z});
+            EXPECT_NEAR(farthest / spacing, 1.0, 1e-6) << suffix << " " << spacing;
+        }
+        const Status status = exportCertified(mesh, folder / "mesh.stl");
+        ASSERT_FALSE(status.isOk()) << spacing;
+        EXPECT_NE(status.error().line().find("STL"), std::string::npos);
+        EXPECT_FALSE(std::filesystem::exists(folder / "mesh.stl"));
+    }
+}
+
 TEST(MeshExport, KeepsVerticesHeldOffATieApartFarFromTheOrigin) {
     const TemporaryFolder folder;
     auto mesh = test::octahedronAtATie();

@@ -113,6 +113,9 @@ TEST_F(ReaderProcess, DeathIsOneLineThatNamesTheFile) {
         EXPECT_THAT(opened.error().line(), testing::HasSubstr("a.vtk: crashes its reader")) << script;
         EXPECT_THAT(listVolumes(volume), HasError(ErrorCode::Corruption)) << script;
     }
+    useReader("exit 127"); // as where a library is missing
+    EXPECT_THAT(openVolume(volume), HasError(ErrorCode::IoError)) << "no fault of the file";
+    EXPECT_THAT(openVolume(volume).error().line(), testing::HasSubstr("cannot be started"));
     useReader("kill -XCPU $$");
     EXPECT_THAT(openVolume(volume).error().line(), testing::HasSubstr("busy without end"));
     useReader("kill -KILL $$");
