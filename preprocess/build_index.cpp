@@ -50,6 +50,9 @@ Status checkOptions(const BuildOptions& options, const GridGeometry& geometry) {
 Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::path& indexPath,
                                const BuildOptions& options, const JobControl& job) {
     const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [start] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
     ISO_TRY(checkOptions(options, source.info().geometry));
     ISO_TRY(checkOutputPath(indexPath));
     ISO_TRY(source.prepare(job)); // a grid that is resampled shows its progress
@@ -64,8 +67,10 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     if (options.leavesTopology)
         completed.emplace(indexPath, BuildIdentity::of(source, options), options);
     if (completed && options.resumes)
-        if (auto found = completed->find())
+        if (auto found = completed->find()) {
+            found->seconds = seconds();
             return std::move(*found);
+        }
     const auto build = options.kind == index::IndexKind::Edges ? buildEdges : buildMetacells;
     // More threads than cores would only make TBB complain.
     const int cores = tbb::this_task_arena::max_concurrency();
@@ -75,7 +80,7 @@ Result<BuildReport> buildIndex(io::VolumeSource& source, const std::filesystem::
     if (fileSystemOf(options).keepsFiles())
         index::LevelStore::discard(indexPath, fileSystemOf(options)); // of the index that was there before
     report.temporaryBytes = metered.mostBytes();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.seconds = seconds();
     report.peakRssBytes = peakRssBytes();
     if (completed && actual.checkpointSeconds >= 0.0)
         completed->note(report);
