@@ -95,7 +95,8 @@ Result<Extracted> surfaceFromVolume(io::VolumeSource& source, const std::string&
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
     const io::VolumeInfo& info = source.info();
-    Extracted extracted{{}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), ""}, info, {}, {}};
+    Extracted extracted{
+        {}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), "", info.isPatientSpace}, info, {}, {}};
     Result<extract::SurfaceMesh> surface = extract::SurfaceMesh();
     if (lodError.merges()) {
         double least = 0.0, greatest = 0.0;
@@ -133,6 +134,8 @@ void addChecked(const mesh::Certificate& certificate, Json& json) {
     json["volume"] = report.isClosed ? Json(report.enclosedVolume) : Json(nullptr);
     if (!certificate.lengthUnit.empty())
         json["length_unit"] = certificate.lengthUnit;
+    if (certificate.isPatientSpace)
+        json["coordinates"] = "LPS";
     json["degenerate_triangles"] = report.degenerateTriangles;
     json["duplicate_triangles"] = report.duplicateTriangles;
     for (std::size_t i = 0; i < certificate.openings.size(); ++i) {

@@ -164,6 +164,8 @@ Json jsonOf(const Facts& facts) {
         json["title"] = facts.fieldTitle;
     if (!facts.lengthUnit.empty())
         json["length_unit"] = facts.lengthUnit;
+    if (facts.volume.isPatientSpace)
+        json["coordinates"] = "LPS";
     json["direction"] = {vectorJson(facts.geometry.direction[0]), vectorJson(facts.geometry.direction[1]),
                          vectorJson(facts.geometry.direction[2])};
     addResampling(facts.volume, json);
@@ -238,6 +240,8 @@ std::string textOf(const Facts& facts) {
     const std::string unit = facts.lengthUnit.empty() ? "" : " " + facts.lengthUnit;
     text += fmt::format("spacing          {}{}\n", vectorText(facts.geometry.spacing), unit);
     text += fmt::format("origin           {}{}\n", vectorText(facts.geometry.origin), unit);
+    if (facts.volume.isPatientSpace)
+        text += "coordinates      LPS: x to the left, y to posterior, z to superior\n";
     text += fmt::format("direction        {} | {} | {}\n", vectorText(facts.geometry.direction[0]),
                         vectorText(facts.geometry.direction[1]), vectorText(facts.geometry.direction[2]));
     text += fmt::format("scalar type      {}\n", scalarTypeName(facts.type));

@@ -99,13 +99,17 @@ std::string printable(std::string_view name) {
     return name.empty() ? clean : clean + "...";
 }
 
+/// In ASCII where that is possible: some readers of meshes take no other comments.
+std::string unitName(const std::string& unit) {
+    if (unit.empty())
+        return "units";
+    return unit == "µm" ? "um" : unit == "Å" ? "angstrom" : printable(unit);
+}
+
 std::string unitText(const std::string& unit) {
     if (unit.empty())
         return "world units of the source: those of its spacing and origin";
-    return (unit == "µm"  ? "um"
-            : unit == "Å" ? "angstrom"
-                          : printable(unit)) +
-           ", that of the spacing and origin of the source";
+    return unitName(unit) + ", that of the spacing and origin of the source";
 }
 
 std::string gridText(const GridGeometry& geometry) {
@@ -115,11 +119,11 @@ std::string gridText(const GridGeometry& geometry) {
            (geometry.isLeftHanded() ? ", left-handed" : ", right-handed");
 }
 
-std::string nudgeText(const Nudge& nudge) {
+std::string nudgeText(const Nudge& nudge, const std::string& unit) {
     if (nudge.vertices == 0)
         return "0";
     return text(nudge.vertices) + ", held off grid points, by at most " + text(nudge.largestCells) + " cells (" +
-           text(nudge.largestWorld) + " units)";
+           text(nudge.largestWorld) + " " + unitName(unit) + ")";
 }
 
 } // namespace
@@ -134,6 +138,7 @@ Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const Surface
     certificate.lengthUnit = source.lengthUnit;
     certificate.resampling = source.resampling;
     certificate.merging = source.merging;
+    certificate.isPatientSpace = source.isPatientSpace;
     certificate.geometry = mesh.geometry;
     certificate.activeEdges = mesh.activeEdgeCount();
     certificate.innerVertices = mesh.positions.size() - mesh.edgeIds.size();
@@ -193,20 +198,21 @@ namespace {
 std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
     const MeshReport& report = certificate.report;
     const auto faults = faultsOf(certificate);
+    const std::string unit = unitName(certificate.lengthUnit);
     const bool hasGenus = report.isManifold && report.isOriented;
     return {{"components", text(report.components)},
             {"Euler number", text(report.euler)},
             {"boundary loops", text(report.boundaryLoops)},
             {"boundary", openingText(certificate)},
             {"genus", hasGenus ? text(report.genus) : "none: not an oriented manifold"},
-            {"area", text(report.area) + " square units"},
-            {"enclosed volume", report.isClosed ? text(report.enclosedVolume) + " cubic units" : "none: open"},
+            {"area", text(report.area) + " square " + unit},
+            {"enclosed volume", report.isClosed ? text(report.enclosedVolume) + " cubic " + unit : "none: open"},
             {"closed", text(report.isClosed)},
             {"manifold", text(report.isManifold)},
             {"oriented", text(report.isOriented)},
             {"degenerate triangles", text(report.degenerateTriangles)},
             {"duplicate triangles", text(report.duplicateTriangles)},
-            {"nudged vertices", nudgeText(certificate.nudge)},
+            {"nudged vertices", nudgeText(certificate.nudge, certificate.lengthUnit)},
             {"valid", faults.empty() ? "yes" : "no: " + joined(faults)}};
 }
 
@@ -234,6 +240,9 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
                                        {"triangles", text(certificate.report.triangles)},
                                        {"active edges", text(certificate.activeEdges)},
                                        {"inner vertices", text(certificate.innerVertices)}};
+    if (certificate.isPatientSpace)
+        lines.insert(lines.begin() + 4,
+                     {"coordinates", "LPS: x to the left, y to posterior, z to superior, as in DICOM"});
     if (!certificate.resampling.empty())
         lines.insert(lines.begin() + 3, {"resampled", printable(certificate.resampling)});
     if (!certificate.merging.empty())

@@ -77,6 +77,20 @@ TEST_F(CliInfo, TellsTheUnitOfLengthAndTheTitle) {
     EXPECT_FALSE(runJson({"info", sphereVolume()}).contains("length_unit"));
 }
 
+TEST_F(CliInfo, NamesThePatientsDirectionsOfTheWorldsAxes) {
+    const std::string nrrd = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspace: RAS\n"
+                             "space directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n12345678";
+    folder_.write("a.nrrd", nrrd);
+    EXPECT_EQ(runJson({"info", path("a.nrrd")})["coordinates"], "LPS");
+    EXPECT_THAT(run({"info", path("a.nrrd")}).standardOutput,
+                HasSubstr("coordinates      LPS: x to the left, y to posterior, z to superior\n"));
+    EXPECT_EQ(runJson({"extract", path("a.nrrd"), "--isovalue", "52"})["coordinates"], "LPS");
+    ASSERT_EQ(run({"extract", path("a.nrrd"), "--isovalue", "52", "-o", path("a.ply")}).exitCode, 0);
+    EXPECT_THAT(readText(path("a.ply")), HasSubstr("comment coordinates: LPS: x to the left"));
+    EXPECT_FALSE(runJson({"info", sphereVolume()}).contains("coordinates"));
+    EXPECT_FALSE(runJson({"extract", sphereVolume(), "--isovalue", "5"}).contains("coordinates"));
+}
+
 TEST_F(CliInfo, ReadsEveryFrameOfASeries) {
     std::string samples(8 * 70, '\5');
     samples[8 * 69] = '\x63'; // in the last frame

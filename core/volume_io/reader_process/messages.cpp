@@ -141,6 +141,7 @@ void info(Codec& codec, Info& value) {
     codec.list(value.dataFiles, [&](auto& file) { codec.path(file); });
     codec.text(value.fieldTitle);
     codec.text(value.lengthUnit);
+    codec.flag(value.isPatientSpace);
     codec.list(value.notes, [&](auto& note) { codec.text(note); });
     codec.optional(value.resampling, [&](auto& report) {
         codec.number(report.sourcePoints);

@@ -26,8 +26,12 @@ public:
         std::string lost = dataset.index ? dataset.index->resampling : std::string();
         if (dataset.resampling)
             lost = io::lossText(*dataset.resampling, dataset.geometry.dims);
-        source_ = {hasSourceName ? dataset.index->sourceName : dataset.name, dataset.missingSamples, dataset.lengthUnit,
-                   std::move(lost)};
+        source_ = {hasSourceName ? dataset.index->sourceName : dataset.name,
+                   dataset.missingSamples,
+                   dataset.lengthUnit,
+                   std::move(lost),
+                   {},
+                   isPatientSpace(dataset)};
     }
     // How its cells are merged, the mesh states: meanwhile another error may have been chosen.
     mesh::SurfaceSource of(const extract::SurfaceMesh& surface) const {

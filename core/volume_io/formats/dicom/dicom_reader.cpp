@@ -317,6 +317,7 @@ Result<std::unique_ptr<VolumeSource>> openDicom(const fs::path& path, const Read
     if (stack.hasMillimetres)
         info.lengthUnit = "mm";
     info.geometry = stack.geometry;
+    info.isPatientSpace = true;
     info.notes = stack.notes;
     info.notes.insert(info.notes.end(), found.value().notes.begin(), found.value().notes.end());
     const auto dims = checkDims(info.geometry.dims, "rows, columns, slices", path);

@@ -237,7 +237,7 @@ bool hasMillimetres(const NiftiHeader& header) {
     return header.version == NiftiVersion::Analyze75 || (unit >= 1 && unit <= 3);
 }
 
-GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes) {
+NiftiPlace niftiPlace(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes) {
     const glm::dvec3 sizes = pixelSizes(header, notes);
     glm::dmat3 axes(glm::dvec3(sizes.x, 0, 0), glm::dvec3(0, sizes.y, 0), glm::dvec3(0, 0, sizes.z));
     glm::dvec3 origin(0.0);
@@ -285,7 +285,7 @@ GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std:
         geometry.spacing[axis] = scale * (agrees ? sizes[axis] : length);
         geometry.direction[axis] = flip * axes[axis] / length + 0.0;
     }
-    return geometry;
+    return {geometry, isPlaced};
 }
 
 } // namespace isoslider::io

@@ -48,11 +48,15 @@ Result<NiftiFiles> findNiftiFiles(const std::filesystem::path& path);
 /// IoError.
 Result<NiftiHeader> readNiftiHeader(const NiftiFiles& files);
 
-/// The header states how long its units are, or is of a format that has but one: niftiGeometry is in millimetres.
+/// The header states how long its units are, or is of a format that has but one: niftiPlace is in millimetres.
 bool hasMillimetres(const NiftiHeader& header);
 
-/// Place in space in left-posterior-superior millimetres: of the sform, else the qform, else the pixel sizes.
-/// What had to be assumed goes to `notes`.
-GridGeometry niftiGeometry(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes);
+struct NiftiPlace {
+    GridGeometry geometry; ///< left-posterior-superior, in millimetres
+    bool isStated = false; ///< by the sform or the qform; otherwise its directions and origin are assumed
+};
+
+/// Place in space: of the sform, else the qform, else the pixel sizes. What had to be assumed goes to `notes`.
+NiftiPlace niftiPlace(const NiftiHeader& header, const GridDims& dims, std::vector<std::string>& notes);
 
 } // namespace isoslider::io

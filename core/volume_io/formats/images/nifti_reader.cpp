@@ -171,7 +171,9 @@ Result<std::unique_ptr<VolumeSource>> openNifti(const fs::path& path, const Read
     VolumeInfo info;
     info.format = volume.header.version == NiftiVersion::Analyze75 ? "Analyze" : "NIfTI";
     info.dataFiles = filesBeside(path, {{volume.files.header, 0}, {volume.files.data, 0}});
-    info.geometry = niftiGeometry(volume.header, volume.field.dims, info.notes);
+    const NiftiPlace place = niftiPlace(volume.header, volume.field.dims, info.notes);
+    info.geometry = place.geometry;
+    info.isPatientSpace = place.isStated && volume.header.version != NiftiVersion::Analyze75;
     if (hasMillimetres(volume.header))
         info.lengthUnit = "mm";
     ISO_TRY(checkGeometry(info.geometry, "pixdim, qform, sform", volume.files.header));

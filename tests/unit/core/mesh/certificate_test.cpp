@@ -209,6 +209,32 @@ TEST(Certificate, HoldsVerticesOffATie) {
               "6, held off grid points, by at most 0.00048828125 cells (0.00146484375 units)");
 }
 
+TEST(Certificate, StatesAreaVolumeAndNudgeInTheUnitOfLength) {
+    for (const auto& [unit, name] : {std::pair("", "units"), std::pair("mm", "mm"), std::pair("Å", "angstrom")}) {
+        const auto certificate = certify(lonePoint(1.0), {"tie", 0, unit});
+        const auto endsWith = [&](const char* line, const std::string& words) {
+            return valueOf(certificate, line).ends_with(words + name) ||
+                   valueOf(certificate, line).ends_with(words + name + ")");
+        };
+        EXPECT_TRUE(endsWith("area", " square ")) << valueOf(certificate, "area");
+        EXPECT_TRUE(endsWith("enclosed volume", " cubic ")) << valueOf(certificate, "enclosed volume");
+        EXPECT_TRUE(endsWith("nudged vertices", " ")) << valueOf(certificate, "nudged vertices");
+    }
+}
+
+TEST(Certificate, NamesThePatientsDirectionsThatPlacesAreIn) {
+    SurfaceSource source{"head", 0, "mm"};
+    const auto commentOf = [&] {
+        const auto comments = commentsOf(certify(lonePoint(0.5), source));
+        const auto found = std::ranges::find_if(
+            comments, [](const std::string& comment) { return comment.starts_with("coordinates: "); });
+        return found != comments.end() ? *found : std::string();
+    };
+    EXPECT_EQ(commentOf(), "");
+    source.isPatientSpace = true;
+    EXPECT_EQ(commentOf(), "coordinates: LPS: x to the left, y to posterior, z to superior, as in DICOM");
+}
+
 TEST(Certificate, ReportsNoNudgeAwayFromTies) {
     const auto certificate = certify(lonePoint(0.5), {"point", 0});
     EXPECT_EQ(certificate.nudge.vertices, 0u);

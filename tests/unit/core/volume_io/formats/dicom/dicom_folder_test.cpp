@@ -68,6 +68,7 @@ TEST_F(DicomFolder, IsSortedByPositionWithTheSpacingOfThePositions) {
     const auto source = openVolume(folder_.path());
     ASSERT_THAT(source, test::IsOk());
     EXPECT_EQ(source.value()->info().lengthUnit, "mm");
+    EXPECT_TRUE(source.value()->info().isPatientSpace);
     EXPECT_EQ(source.value()->info().fieldName, "1.2.3");
     EXPECT_EQ(source.value()->info().fieldTitle, listVolumes(folder_.path()).value().fields[0].title);
     EXPECT_THAT(source.value()->info().fieldTitle, HasSubstr("probe, MR"));

@@ -233,6 +233,7 @@ TEST_F(NiftiReader, PlacesTheQform) {
         for (int row = 0; row < 3; ++row)
             EXPECT_NEAR(geometry.direction[axis][row], expected[axis][row], 1e-6);
     EXPECT_TRUE(geometry.isLeftHanded());
+    EXPECT_TRUE(source.value()->info().isPatientSpace);
 }
 
 TEST_F(NiftiReader, B063_FallsBackFromASingularSform) {
@@ -243,6 +244,7 @@ TEST_F(NiftiReader, B063_FallsBackFromASingularSform) {
     EXPECT_EQ(source.value()->info().geometry.spacing, glm::dvec3(1, 2, 3));
     ASSERT_FALSE(source.value()->info().notes.empty());
     EXPECT_THAT(source.value()->info().notes[0], HasSubstr("sform"));
+    EXPECT_FALSE(source.value()->info().isPatientSpace) << "its orientation is assumed";
 }
 
 TEST_F(NiftiReader, TurnsMetresAndMicrometresToMillimetres) {
