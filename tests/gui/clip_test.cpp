@@ -17,6 +17,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/mesh/mesh_checks.h"
+#include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/viewport/clip_tool.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -186,6 +187,37 @@ TEST_F(ClipTest, WhatIsCroppedAwayIsNeitherPickedNorMeasured) {
     QTest::mouseClick(&viewport(), Qt::LeftButton, {}, seenAt(glm::dvec3(kMiddle - 5.0, kMiddle, kMiddle + 2.0)));
     ASSERT_EQ(window_->viewportHost().viewState().options().measured.size(), 1u);
     EXPECT_GT(window_->viewportHost().viewState().options().measured[0].y, 0.0);
+}
+
+// Its first axis runs along z, the second along x, the third along y.
+TEST_F(ClipTest, RowsAndButtonsHaveTheNamesOfTheAxes) {
+    const auto openTurned = [&](const char* name, const std::string& matrix) {
+        const auto before = session_->datasetGeneration();
+        const auto path = writeFloats(
+            folder_, name, {20, 16, 12}, [](int x, int y, int z) { return x + y + z; },
+            "ElementSpacing = 1 1 1\nTransformMatrix = " + matrix + "\nOffset = 0 0 0\n");
+        window_->openFile(QString::fromStdString(path.string()));
+        ASSERT_TRUE(waitUntil([&] { return session_->datasetGeneration() != before && session_->frame() != nullptr; }));
+        ASSERT_TRUE(waitUntilSettled());
+    };
+    const auto buttons = [&] {
+        QStringList texts;
+        for (const auto* button : child<QDockWidget>("clipDock")->findChildren<QToolButton*>())
+            if (button->defaultAction() != nullptr && button->text().size() == 1)
+                texts << button->text();
+        return texts.join(QLatin1Char(' ')).toStdString();
+    };
+    openTurned("permuted.mha", "0 0 1 1 0 0 0 1 0");
+    EXPECT_EQ(child<QSpinBox>("cropHighZ")->value(), 19);
+    child<QSpinBox>("cropLowX")->setValue(5);
+    EXPECT_EQ(clipping().crop, (model::CropBox{{0, 5, 0}, {19, 15, 11}}));
+    trigger("clip.acrossX");
+    EXPECT_EQ(clipping().plane().normal, glm::dvec3(1.0, 0.0, 0.0));
+    EXPECT_EQ(buttons(), "X Y Z");
+    openTurned("turned.mha", "0.8 0.6 0 -0.6 0.8 0 0 0 1");
+    EXPECT_EQ(buttons(), "i j k");
+    EXPECT_EQ(child<QSpinBox>("cropLowX")->accessibleName(), QStringLiteral("First grid point along i"));
+    EXPECT_EQ(action("clip.acrossZ").text(), QStringLiteral("Across &k"));
 }
 
 TEST_F(ClipTest, ThePanelShowsAndTakesNumbers) {

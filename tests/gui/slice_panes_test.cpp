@@ -13,6 +13,7 @@
 #include "ui/widgets/slices/slice_pane.h"
 #include "ui/widgets/slices/slice_workspace.h"
 #include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::test {
 namespace {
@@ -26,6 +27,23 @@ protected:
                                             [](int x, int y, int z) { return x + 100 * y + 10000 * z; })));
         ASSERT_TRUE(waitUntil([this] { return session_->frame() != nullptr; }));
         ASSERT_TRUE(waitUntilSettled());
+    }
+    /// The same, twice as far apart along its third axis, with lines of the header that place it in space.
+    void openIn(const char* name, const std::string& place) {
+        const auto before = session_->datasetGeneration();
+        window_->openFile(qpath(writeFloats(
+            folder_, name, {20, 16, 12}, [](int x, int y, int z) { return x + 100 * y + 10000 * z; },
+            "ElementSpacing = 1 1 2\n" + place)));
+        ASSERT_TRUE(waitUntil([&] { return session_->datasetGeneration() != before && session_->frame() != nullptr; }));
+        ASSERT_TRUE(waitUntilSettled());
+        press(Qt::Key_F7);
+        ASSERT_TRUE(waitForSlices());
+    }
+    QString readingAt(SliceKind kind, const glm::dvec3& place) {
+        const QPointF point = pane(kind).pointOf(place).toPoint();
+        QMouseEvent move(QEvent::MouseMove, point, pane(kind).mapToGlobal(point), Qt::NoButton, Qt::NoButton, {});
+        QApplication::sendEvent(&pane(kind), &move);
+        return pane(kind).readout();
     }
     model::SliceModel& slices() { return window_->slices(); }
     widgets::SlicePane& pane(SliceKind kind) { return window_->sliceWorkspace().pane(kind); }
@@ -86,6 +104,55 @@ TEST_F(SlicePanesTest, WindowAndLevelAreLegibleOnWhite) {
     }
     EXPECT_GE(most, 4.5);
     keepPicture(*window_, "slices_window_on_white");
+}
+
+// Its first axis runs along z, the second along x, the third along y.
+TEST_F(SlicePanesTest, WhatIsSeenAndDoneIsNamedByTheWorldWhateverTheOrderOfTheSamples) {
+    openIn("permuted.mha", "DistanceUnits = mm\nTransformMatrix = 0 0 1 1 0 0 0 1 0\nOffset = 100 200 300\n");
+    EXPECT_EQ(pane(SliceKind::X).caption(), QStringLiteral("X = 108 mm (8 of 15)"));
+    EXPECT_EQ(pane(SliceKind::Y).caption(), QStringLiteral("Y = 212 mm (6 of 11)"));
+    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("Z = 310 mm (10 of 19)"));
+    const auto labels = slices().labels(SliceKind::Z);
+    EXPECT_EQ(labels.right + labels.bottom, "XY");
+    EXPECT_EQ(readingAt(SliceKind::Z, {10.0, 5.0, 7.0}),
+              QStringLiteral("70510   at (i 10, j 5, k 7)\n105, 214, 310 mm"));
+    pane(SliceKind::Z).setFocus();
+    press(Qt::Key_Period);
+    EXPECT_EQ(slices().options().position, glm::dvec3(11.0, 8.0, 6.0));
+    QTest::keyClick(window_.get(), Qt::Key_Z, Qt::ShiftModifier);
+    EXPECT_TRUE(slices().options().inScene[placeOf(SliceKind::Z)]);
+    const glm::dvec3 normal = slices().planeOf(SliceKind::Z).normal();
+    EXPECT_EQ(normal.y, 0.0);
+    EXPECT_EQ(normal.z, 0.0);
+    EXPECT_EQ(window_->actions().action("slices.sceneZ")->text(), QStringLiteral("Across &Z"));
+    keepPicture(*window_, "slices-permuted");
+}
+
+TEST_F(SlicePanesTest, AxesOfATurnedGridAreCalledByOtherLetters) {
+    openIn("turned.mha", "DistanceUnits = mm\nTransformMatrix = 0.8 0.6 0 -0.6 0.8 0 0 0 1\nOffset = 0 0 0\n");
+    EXPECT_EQ(pane(SliceKind::X).caption(), QStringLiteral("i = 10 of 19"));
+    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("k = 6 of 11"));
+    EXPECT_EQ(slices().labels(SliceKind::Z).right, "i");
+    EXPECT_EQ(readingAt(SliceKind::Z, {5.0, 5.0, 6.0}), QStringLiteral("60505   at (i 5, j 5, k 6)\n1, 7, 12 mm"));
+    QAction& across = *window_->actions().action("slices.sceneX");
+    EXPECT_EQ(across.text(), QStringLiteral("Across &i"));
+    EXPECT_EQ(across.toolTip(), QStringLiteral("The slice across i in the 3-D view (Shift+X)"));
+    openIn("plain.mha", "Offset = 0 0 5\n");
+    EXPECT_EQ(across.text(), QStringLiteral("Across &X"));
+}
+
+TEST_F(SlicePanesTest, CaptionsGiveThePlaceWhereTheUnitIsUnknown) {
+    openIn("plain.mha", "Offset = 0 0 5\n");
+    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("Z = 17 (6 of 11)"));
+}
+
+TEST_F(SlicePanesTest, PlacesInAPatientHaveTheirDirections) {
+    openIn("patient.mha", "DistanceUnits = mm\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = -10 20 30\n"
+                          "AnatomicalOrientation = RAI\n");
+    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("Axial   S 42 mm (6 of 11)"));
+    EXPECT_EQ(pane(SliceKind::X).caption(), QStringLiteral("Sagittal   L 0 mm (10 of 19)"));
+    EXPECT_EQ(readingAt(SliceKind::Z, {5.0, 7.0, 6.0}), QStringLiteral("60705   at (5, 7, 6)\nR 5, P 27, S 42 mm"));
+    keepPicture(*window_, "slices-patient");
 }
 
 } // namespace

@@ -119,7 +119,7 @@ TEST_F(SlicesTest, TheValueUnderThePointerIsThatOfTheSample) {
     QEvent leave(QEvent::Leave);
     QApplication::sendEvent(&pane(SliceKind::X), &leave);
     EXPECT_EQ(pane(SliceKind::X).readout(), QString());
-    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("Z = 6 of 11, 12 mm"));
+    EXPECT_EQ(pane(SliceKind::Z).caption(), QStringLiteral("Z = 12 mm (6 of 11)"));
 }
 
 TEST_F(SlicesTest, PixelsAreAsHighAndWideAsTheSpacingSays) {

@@ -8,31 +8,12 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "ui/model/surface/axis_names.h"
+
 namespace isoslider::model {
 namespace {
 
 constexpr double kOutsideWindow = 0.005; // share of the samples, at each end
-
-/// The world axis that each axis of the grid comes nearest to, each but once.
-std::array<int, 3> worldAxes(const GridGeometry& geometry) {
-    std::array<int, 3> world{-1, -1, -1};
-    std::array<bool, 3> isTaken{};
-    for (int round = 0; round < 3; ++round) {
-        double best = -1.0;
-        int axis = 0, of = 0;
-        for (int a = 0; a < 3; ++a)
-            for (int w = 0; w < 3; ++w)
-                if (world[static_cast<std::size_t>(a)] < 0 && !isTaken[static_cast<std::size_t>(w)] &&
-                    std::abs(geometry.direction[a][w]) > best) {
-                    best = std::abs(geometry.direction[a][w]);
-                    axis = a;
-                    of = w;
-                }
-        world[static_cast<std::size_t>(axis)] = of;
-        isTaken[static_cast<std::size_t>(of)] = true;
-    }
-    return world;
-}
 
 double lastOf(const GridGeometry& geometry, int axis) {
     return static_cast<double>(geometry.dims[static_cast<std::size_t>(axis)] - 1);
@@ -89,20 +70,17 @@ extract::SlicePlane obliquePlane(const SliceOptions& options, const GridGeometry
     return {toIndex * origin, toIndex * (right * pixel), toIndex * (down * pixel), count(extent.x), count(extent.y)};
 }
 
-std::string axisName(int axis) { return {"XYZ"[axis]}; }
-
 } // namespace
 
-int worldAxisOf(const GridGeometry& geometry, int axis) { return worldAxes(geometry)[static_cast<std::size_t>(axis)]; }
+int gridAxisOf(SliceKind kind, const GridGeometry& geometry) {
+    return AxisNames(geometry).gridAxisOf(worldAxisOf(kind));
+}
 
 SliceAxes sliceAxes(const GridGeometry& geometry, int axis) {
-    const auto world = worldAxes(geometry);
-    const auto gridAxis = [&](int of) {
-        return static_cast<int>(std::find(world.begin(), world.end(), of) - world.begin());
-    };
-    const int across = world[static_cast<std::size_t>(axis)];
+    const AxisNames names(geometry);
+    const int across = names.worldAxisOf(axis);
     const int rightOf = across == 0 ? 1 : 0, downOf = across == 2 ? 1 : 2;
-    SliceAxes axes{gridAxis(rightOf), gridAxis(downOf), false, false};
+    SliceAxes axes{names.gridAxisOf(rightOf), names.gridAxisOf(downOf), false, false};
     axes.isRightBackwards = geometry.direction[axes.right][rightOf] * geometry.spacing[axes.right] < 0.0;
     const bool isDownwards = geometry.direction[axes.down][downOf] * geometry.spacing[axes.down] >= 0.0;
     axes.isDownBackwards = isDownwards != (across == 2);
@@ -112,7 +90,7 @@ SliceAxes sliceAxes(const GridGeometry& geometry, int axis) {
 extract::SlicePlane planeOf(SliceKind kind, const SliceOptions& options, const GridGeometry& geometry,
                             std::int64_t step) {
     return kind == SliceKind::Oblique ? obliquePlane(options, geometry, step)
-                                      : axisPlane(axisOf(kind), options.position, geometry, step);
+                                      : axisPlane(gridAxisOf(kind, geometry), options.position, geometry, step);
 }
 
 glm::dvec2 pixelSize(const extract::SlicePlane& plane, const GridGeometry& geometry) {
@@ -147,7 +125,8 @@ glm::dvec3 snappedPlace(const glm::dvec3& place, const GridGeometry& geometry) {
 glm::dvec3 steppedPlace(SliceKind kind, double steps, const SliceOptions& options, const GridGeometry& geometry) {
     glm::dvec3 place = options.position;
     if (kind != SliceKind::Oblique) {
-        place[axisOf(kind)] = std::round(place[axisOf(kind)] + steps);
+        const int axis = gridAxisOf(kind, geometry);
+        place[axis] = std::round(place[axis] + steps);
         return clampedPlace(place, geometry);
     }
     const glm::dvec3 normal = options.orientation * glm::dvec3(0.0, 0.0, 1.0);
@@ -178,10 +157,15 @@ SliceLabels sliceLabels(SliceKind kind, const SliceOptions& options, const GridG
         const glm::dvec3 right = toWorld * plane.right, down = toWorld * plane.down;
         return {letterOf(-right), letterOf(right), letterOf(-down), letterOf(down)};
     }
-    const SliceAxes axes = sliceAxes(geometry, axisOf(kind));
+    const SliceAxes axes = sliceAxes(geometry, gridAxisOf(kind, geometry));
+    const AxisNames names(geometry);
+    // Axes of the world grow to the right, and downwards in slices across z only, whatever those of the grid do.
+    const bool areOfWorld = names.areOfWorld();
+    const bool isToLeft = !areOfWorld && axes.isRightBackwards;
+    const bool isUpwards = areOfWorld ? kind != SliceKind::Z : axes.isDownBackwards;
     SliceLabels labels;
-    (axes.isRightBackwards ? labels.left : labels.right) = axisName(axes.right);
-    (axes.isDownBackwards ? labels.top : labels.bottom) = axisName(axes.down);
+    (isToLeft ? labels.left : labels.right) = names.nameOf(axes.right);
+    (isUpwards ? labels.top : labels.bottom) = names.nameOf(axes.down);
     return labels;
 }
 

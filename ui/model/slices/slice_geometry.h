@@ -22,13 +22,13 @@ struct SliceAxes {
     bool isRightBackwards = false, isDownBackwards = false;
 };
 
-/// The world axis that an axis of the grid comes nearest to; of the three each has another.
-int worldAxisOf(const GridGeometry& geometry, int axis);
+/// The axis of the grid that a slice lies across. REQUIRES: it is not oblique.
+int gridAxisOf(SliceKind kind, const GridGeometry& geometry);
 
 /// Slices lie as the world's axes do, whatever order and direction the samples are stored in: across z, x to the right
 /// and y downwards; across y, x to the right and z upwards; across x, y to the right and z upwards. Where the world is
 /// a patient's (left, posterior, superior), that is how slices are read.
-SliceAxes sliceAxes(const GridGeometry& geometry, int axis);
+SliceAxes sliceAxes(const GridGeometry& geometry, int axis); // `axis`: of the grid
 
 /// The pixels of a slice, of a volume known at every `step`-th sample. An axis slice has one for each of those, or for
 /// every n-th; an oblique one covers the volume at all depths alike, with pixels as wide as the smallest spacing or a
@@ -56,7 +56,8 @@ glm::dvec3 steppedPlace(SliceKind kind, double steps, const SliceOptions& option
 struct SliceLabels {
     std::string left, right, top, bottom;
 };
-/// A patient's directions (R, L, A, P, I, S) where the world is one's, otherwise the axis that grows that way.
+/// A patient's directions (R, L, A, P, I, S) where the world is one's, otherwise the axis, as AxisNames calls it, that
+/// grows that way.
 SliceLabels sliceLabels(SliceKind kind, const SliceOptions& options, const GridGeometry& geometry, bool isPatient);
 
 /// Black and white at the values below and above which lies half a percent of the samples.

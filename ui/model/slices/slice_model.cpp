@@ -47,7 +47,7 @@ SliceOptions within(SliceOptions options, const Dataset* dataset) {
 extract::SlicePlane onPreview(SliceKind kind, extract::SlicePlane plane, const GridGeometry& grid, std::int64_t step) {
     plane = plane.onEvery(static_cast<double>(step));
     if (kind != SliceKind::Oblique) {
-        const int axis = axisOf(kind);
+        const int axis = gridAxisOf(kind, grid);
         const auto last = static_cast<double>(grid.dims[static_cast<std::size_t>(axis)] - 1);
         plane.origin[axis] = std::min(plane.origin[axis], last);
     }

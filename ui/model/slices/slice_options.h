@@ -10,13 +10,14 @@
 
 namespace isoslider::model {
 
-/// A slice by the axis of the grid that it lies across.
+/// A slice by the axis of the world that it lies across. In a grid that is turned in its space it lies across the axis
+/// of the grid that comes nearest to that one.
 enum class SliceKind { X, Y, Z, Oblique };
 inline constexpr std::array<SliceKind, 4> kSliceKinds{SliceKind::X, SliceKind::Y, SliceKind::Z, SliceKind::Oblique};
 
 constexpr std::size_t placeOf(SliceKind kind) { return static_cast<std::size_t>(kind); }
 /// REQUIRES: it is not oblique.
-constexpr int axisOf(SliceKind kind) { return static_cast<int>(kind); }
+constexpr int worldAxisOf(SliceKind kind) { return static_cast<int>(kind); }
 
 /// What stands beside the 3-D view.
 enum class SliceLayout { None, One, Three, Four };

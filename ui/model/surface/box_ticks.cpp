@@ -7,13 +7,13 @@
 #include <glm/geometric.hpp>
 
 #include "ui/model/isovalue/value_steps.h"
+#include "ui/model/surface/axis_names.h"
 
 namespace isoslider::model {
 namespace {
 
 constexpr double kTickPixels = 70.0; // at least, from tick to tick
 constexpr double kLeastEdge = 40.0; // pixels
-constexpr double kAlongWorld = 1.0 - 1e-9;
 constexpr double kOnEdge = 1e-9; // of the span of values
 
 using Corners = std::array<glm::dvec2, 8>; ///< pixels, y upwards; bit a of a number: the far end along axis a
@@ -77,12 +77,11 @@ struct Values {
 Values valuesAlong(const GridGeometry& volume, int axis, TickedEdge& edge) {
     const glm::dvec3 direction = volume.direction[axis];
     const double length = volume.spacing[axis] * static_cast<double>(volume.dims[static_cast<std::size_t>(axis)] - 1);
-    for (int world = 0; world < 3; ++world)
-        if (std::abs(direction[world]) >= kAlongWorld) {
-            edge.axis = world;
-            const double first = volume.origin[world];
-            return {first, first + std::copysign(length, direction[world])};
-        }
+    if (const auto world = worldAxisAlong(direction)) {
+        edge.axis = *world;
+        const double first = volume.origin[*world];
+        return {first, first + std::copysign(length, direction[*world])};
+    }
     edge.axis = axis;
     edge.isOfWorld = false;
     return {0.0, length};

@@ -80,11 +80,11 @@ std::optional<glm::dvec3> suggestedStretch(const GridGeometry& volume) {
     return isStretched(stretch) ? std::optional(stretch) : std::nullopt;
 }
 
-std::string stretchText(const glm::dvec3& stretch) {
+std::string stretchText(const glm::dvec3& stretch, const AxisNames& names) {
     std::string text;
     for (int axis = 0; axis < 3; ++axis)
         if (stretch[axis] != 1.0)
-            text += std::string(text.empty() ? "" : ", ") + "XYZ"[axis] + " × " + valueText(stretch[axis], 4);
+            text += (text.empty() ? "" : ", ") + names.nameOf(axis) + " × " + valueText(stretch[axis], 4);
     return text;
 }
 

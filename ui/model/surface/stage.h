@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "core/grid/grid_geometry.h"
+#include "ui/model/surface/axis_names.h"
 
 namespace isoslider::model {
 
@@ -49,7 +50,7 @@ GridGeometry stretched(GridGeometry geometry, const glm::dvec3& stretch);
 /// round factors (1, 2, 5, 10, ...) that makes it a box to look at. None where spacings are alike within 5, or the
 /// box's sides within 10, times; but also where spacings differ 20 times and one side is twice as long as the others.
 std::optional<glm::dvec3> suggestedStretch(const GridGeometry& volume);
-/// Such as "X × 20, Z × 0.5"; empty where nothing is stretched.
-std::string stretchText(const glm::dvec3& stretch);
+/// Such as "X × 20, Z × 0.5", in the order of the axes of the grid; empty where nothing is stretched.
+std::string stretchText(const glm::dvec3& stretch, const AxisNames& names = {});
 
 } // namespace isoslider::model

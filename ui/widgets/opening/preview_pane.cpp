@@ -136,7 +136,7 @@ void PreviewPane::showProblem(const QString& text) {
 
 void PreviewPane::showVolume(const model::VolumePreview& volume) {
     for (std::size_t i = 0; i < slices_.size(); ++i)
-        slices_[i]->setSlice(volume.slices[i]);
+        slices_[i]->setSlice(volume.slices[i], model::AxisNames(volume.info.geometry));
     showHistogram(volume);
 }
 

@@ -38,20 +38,21 @@ SliceView::SliceView(int axis, QWidget* parent) : QWidget(parent), axis_(axis) {
     clear();
 }
 
-void SliceView::setSlice(const model::SliceImage& slice) {
+void SliceView::setSlice(const model::SliceImage& slice, const model::AxisNames& names) {
     image_ = pictureOf(slice);
     aspect_ = slice.width * slice.pixelWidth / (slice.height * slice.pixelHeight);
     if (!std::isfinite(aspect_))
         aspect_ = 1.0;
     aspect_ = std::clamp(aspect_, 1.0 / kMostAspect, kMostAspect);
-    static constexpr std::array<const char*, 3> kWays{QT_TR_NOOP("y → z ↑"), QT_TR_NOOP("x → z ↑"),
-                                                      QT_TR_NOOP("x → y ↓")};
+    const auto nameOf = [&names](int axis) { return QString::fromStdString(names.nameOf(axis)); };
+    const QString across = nameOf(axis_), right = nameOf(axis_ == 0 ? 1 : 0).toLower(),
+                  upright = nameOf(axis_ == 2 ? 1 : 2).toLower();
+    const QString ways = (axis_ == 2 ? tr("%1 → %2 ↓") : tr("%1 → %2 ↑")).arg(right, upright);
     const bool isKnown = slice.position >= 0;
-    const QString plane =
-        isKnown ? tr("%1 = %2").arg(nameOf(axis_)).arg(slice.position) : tr("middle of %1").arg(nameOf(axis_));
-    caption_ = QStringLiteral("%1    %2").arg(plane, tr(kWays[static_cast<std::size_t>(axis_)]));
+    const QString plane = isKnown ? tr("%1 = %2").arg(across).arg(slice.position) : tr("middle of %1").arg(across);
+    caption_ = QStringLiteral("%1    %2").arg(plane, ways);
     setAccessibleName(tr("Middle slice, %1").arg(plane));
-    setToolTip(isKnown ? tr("Slice through the middle: grid point %1 along %2").arg(slice.position).arg(nameOf(axis_))
+    setToolTip(isKnown ? tr("Slice through the middle: grid point %1 along %2").arg(slice.position).arg(across)
                        : QString());
     update();
 }

@@ -4,6 +4,7 @@
 #include <QWidget>
 
 #include "ui/model/opening/volume_preview.h"
+#include "ui/model/surface/axis_names.h"
 
 namespace isoslider::widgets {
 
@@ -13,7 +14,7 @@ class SliceView : public QWidget {
     Q_OBJECT
 public:
     explicit SliceView(int axis, QWidget* parent = nullptr);
-    void setSlice(const model::SliceImage& slice);
+    void setSlice(const model::SliceImage& slice, const model::AxisNames& names = {});
     void clear();
     /// Dims what is shown while another is being read.
     void setStale(bool isStale);

@@ -15,6 +15,7 @@
 #include <QVBoxLayout>
 
 #include "ui/model/session/session.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
@@ -28,11 +29,12 @@ namespace {
 constexpr int kBoxWidth = 64;
 constexpr double kOffsetSteps = 100.0; // from the centre to the volume's end
 
-void addButton(QHBoxLayout* row, QAction* action, const QString& text, QWidget* parent) {
+QToolButton* addButton(QHBoxLayout* row, QAction* action, const QString& text, QWidget* parent) {
     action->setIconText(text); // its button takes the text from there, again and again
     QToolButton* button = makeToolButton(action, Qt::ToolButtonTextOnly, parent);
     button->setAccessibleName(action->statusTip());
     row->addWidget(button);
+    return button;
 }
 
 /// Left alone where it shows that already: somebody may be typing.
@@ -73,32 +75,32 @@ void ClipPanel::addCrop(QVBoxLayout* rows, const ActionRegistry& actions) {
     auto* grid = new QGridLayout;
     grid->setHorizontalSpacing(8);
     grid->setVerticalSpacing(4);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const QChar letter = QLatin1Char("XYZ"[axis]);
+    for (std::size_t line = 0; line < 3; ++line) {
+        const QChar letter = QLatin1Char("XYZ"[line]);
         const auto addBox = [&](QSpinBox*& box, bool isHigh) {
             box = new QSpinBox(this);
             box->setObjectName(QLatin1String(isHigh ? "cropHigh" : "cropLow") + letter);
-            box->setAccessibleName(
-                (isHigh ? tr("Last grid point along %1") : tr("First grid point along %1")).arg(letter));
             box->setToolTip(tr("Grid points, counted from 0"));
             box->setMinimumWidth(kBoxWidth);
             box->setKeyboardTracking(false);
-            connect(box, &QSpinBox::valueChanged, this, [this, axis, isHigh](int point) {
+            connect(box, &QSpinBox::valueChanged, this, [this, line, isHigh](int point) {
                 change([&](model::Clipping& clipping) {
-                    const GridDims& dims = session_.dataset()->geometry.dims;
-                    clipping.crop = model::withFace(model::cropWithin(clipping.crop, dims), static_cast<int>(axis),
-                                                    isHigh, point, dims);
+                    const GridGeometry& geometry = session_.dataset()->geometry;
+                    const int axis = model::AxisNames(geometry).gridAxisInRow(static_cast<int>(line));
+                    clipping.crop = model::withFace(model::cropWithin(clipping.crop, geometry.dims), axis, isHigh,
+                                                    point, geometry.dims);
                     clipping.isCropped = true;
                 });
             });
         };
-        addBox(low_[axis], false);
-        addBox(high_[axis], true);
-        const int line = static_cast<int>(axis);
-        grid->addWidget(new QLabel(letter, this), line, 0);
-        grid->addWidget(low_[axis], line, 1);
-        grid->addWidget(new QLabel(tr("to"), this), line, 2);
-        grid->addWidget(high_[axis], line, 3);
+        addBox(low_[line], false);
+        addBox(high_[line], true);
+        axisLabels_[line] = new QLabel(this);
+        const int at = static_cast<int>(line);
+        grid->addWidget(axisLabels_[line], at, 0);
+        grid->addWidget(low_[line], at, 1);
+        grid->addWidget(new QLabel(tr("to"), this), at, 2);
+        grid->addWidget(high_[line], at, 3);
     }
     grid->setColumnStretch(1, 1);
     grid->setColumnStretch(3, 1);
@@ -116,9 +118,10 @@ void ClipPanel::addPlane(QVBoxLayout* rows, const ActionRegistry& actions) {
     rows->addLayout(row);
     auto* directions = new QHBoxLayout;
     directions->addWidget(new QLabel(tr("Across"), this));
-    for (const auto& [id, text] : {std::pair("clip.acrossX", tr("X")), std::pair("clip.acrossY", tr("Y")),
-                                   std::pair("clip.acrossZ", tr("Z")), std::pair("clip.facing", tr("the View"))})
-        addButton(directions, actions.action(id), text, this);
+    auto across = across_.begin();
+    for (const char* id : {"clip.acrossX", "clip.acrossY", "clip.acrossZ"})
+        *across++ = addButton(directions, actions.action(id), {}, this);
+    addButton(directions, actions.action("clip.facing"), tr("the View"), this);
     directions->addStretch(1);
     rows->addLayout(directions);
     auto* grid = new QGridLayout;
@@ -172,19 +175,35 @@ void ClipPanel::change(const std::function<void(model::Clipping&)>& change) {
     showClipping(); // what was asked for may be out of bounds
 }
 
+void ClipPanel::nameAxes() {
+    const auto* dataset = session_.dataset();
+    const model::AxisNames names = dataset != nullptr ? model::AxisNames(dataset->geometry) : model::AxisNames();
+    for (std::size_t line = 0; line < 3; ++line) {
+        const QString name = fromStd(names.nameOf(names.gridAxisInRow(static_cast<int>(line))));
+        axisLabels_[line]->setText(name);
+        low_[line]->setAccessibleName(tr("First grid point along %1").arg(name));
+        high_[line]->setAccessibleName(tr("Last grid point along %1").arg(name));
+        across_[line]->defaultAction()->setIconText(name);
+        across_[line]->setAccessibleName(tr("Put the clip plane across %1, in the middle").arg(name));
+    }
+}
+
 void ClipPanel::showClipping() {
     const auto* dataset = session_.dataset();
     const bool isPossible = dataset != nullptr && host_.clipTool() != nullptr;
     const model::Clipping& clipping = host_.viewState().options().clipping;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        for (QSpinBox* box : {low_[axis], high_[axis]})
+    nameAxes();
+    for (std::size_t line = 0; line < 3; ++line) {
+        for (QSpinBox* box : {low_[line], high_[line]})
             box->setEnabled(isPossible);
         if (dataset == nullptr)
             continue;
         const model::CropBox box = model::cropWithin(clipping.crop, dataset->geometry.dims);
+        const auto axis =
+            static_cast<std::size_t>(model::AxisNames(dataset->geometry).gridAxisInRow(static_cast<int>(line)));
         const auto last = static_cast<int>(dataset->geometry.dims[axis] - 1);
-        showValue(low_[axis], 0, last - 1, static_cast<int>(box.low[axis]));
-        showValue(high_[axis], 1, last, static_cast<int>(box.high[axis]));
+        showValue(low_[line], 0, last - 1, static_cast<int>(box.low[axis]));
+        showValue(high_[line], 1, last, static_cast<int>(box.high[axis]));
     }
     // Named apart as soon as there are two.
     planeHeading_->setText(!clipping.planes[1].isOn && clipping.active == 0

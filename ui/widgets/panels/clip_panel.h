@@ -13,6 +13,7 @@ class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QSpinBox;
+class QToolButton;
 class QVBoxLayout;
 
 namespace isoslider::model {
@@ -35,10 +36,14 @@ private:
     void addPlane(QVBoxLayout* rows, const ActionRegistry& actions);
     void change(const std::function<void(model::Clipping&)>& change);
     void showClipping();
+    void nameAxes();
 
     model::Session& session_;
     ViewportHost& host_;
+    // One for each row, in the order of model::AxisNames.
     std::array<QSpinBox*, 3> low_{}, high_{};
+    std::array<QLabel*, 3> axisLabels_{};
+    std::array<QToolButton*, 3> across_{};
     QDoubleSpinBox* offset_ = nullptr;
     QComboBox* cap_ = nullptr;
     QLabel* planeHeading_ = nullptr;

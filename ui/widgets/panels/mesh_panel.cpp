@@ -8,6 +8,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
@@ -25,13 +26,13 @@ QString yesNo(bool isTrue) {
     return isTrue ? QStringLiteral("✓ ") + MeshPanel::tr("yes") : QStringLiteral("✗ ") + MeshPanel::tr("no");
 }
 
-QString placeName(mesh::OpenAt place) {
+QString placeName(mesh::OpenAt place, const model::AxisNames& names) {
     switch (place) {
         case mesh::OpenAt::Missing: return MeshPanel::tr("missing values");
         case mesh::OpenAt::Elsewhere: return MeshPanel::tr("cracks");
         default: {
-            const auto name = mesh::kOpenAtNames[static_cast<std::size_t>(place)];
-            return QString::fromLatin1(name.data(), static_cast<qsizetype>(name.size()));
+            const int face = static_cast<int>(place);
+            return fromStd(names.nameOf(face / 2)).toLower() + QString::number(face % 2);
         }
     }
 }
@@ -40,10 +41,11 @@ QString placeName(mesh::OpenAt place) {
 QString unbroken(QString text) { return text.replace(QLatin1Char(' '), QChar(QChar::Nbsp)); }
 
 QString surfaceText(const mesh::Certificate& certificate) {
+    const model::AxisNames names(certificate.geometry);
     QStringList places;
     for (std::size_t i = 0; i < certificate.openings.size(); ++i) {
         const auto& opening = certificate.openings[i];
-        const auto place = placeName(static_cast<mesh::OpenAt>(i));
+        const auto place = placeName(static_cast<mesh::OpenAt>(i), names);
         if (opening.loops == 1)
             places << unbroken(MeshPanel::tr("%1 (1 loop)").arg(place));
         else if (opening.loops > 1)
@@ -86,12 +88,15 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::strin
     const mesh::MeshReport& report = certificate.report;
     const QString unitTip =
         unit.empty() ? tr("In the units of the volume's spacing, which its file does not name") : QString();
+    const model::AxisNames names(certificate.geometry);
     const bool hasGenus = report.isManifold && report.isOriented;
     return {
         {tr("Sound"), verdict(certificate),
          tr("An oriented manifold, open only where it meets the box or a missing value")},
         {tr("Surface"), surfaceText(certificate),
-         tr("x0 is the box's face of the first grid points along x, x1 that of the last")},
+         tr("%1 is the box's face of the first grid points along %2, %3 that of the last")
+             .arg(placeName(mesh::OpenAt::X0, names), fromStd(names.nameOf(0)).toLower(),
+                  placeName(mesh::OpenAt::X1, names))},
         {tr("Manifold"), yesNo(report.isManifold), tr("Every edge has one or two triangles, every vertex one fan")},
         {tr("Oriented"), yesNo(report.isOriented),
          tr("Neighbouring triangles agree; all are counter-clockwise seen from the side below the isovalue")},

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/model/surface/stage.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/slices/contour_painter.h"
@@ -28,7 +29,14 @@ const QColor kContourShadow(12, 10, 8, 190);
 
 QString numberText(double value) { return fromStd(model::valueText(value, 7)); }
 
-QString axisName(int axis) { return QString(QLatin1Char("XYZ"[axis])); }
+/// A grid point by its place in the file; where that order is not the world's, with the names of the grid's axes.
+QString gridPlaceText(const glm::dvec3& place, bool isInOrder) {
+    QStringList numbers;
+    for (int axis = 0; axis < 3; ++axis)
+        numbers << (isInOrder ? QString() : QString(QLatin1Char("ijk"[axis])) + QLatin1Char(' ')) +
+                       fromStd(model::valueText(place[axis], 5));
+    return numbers.join(QStringLiteral(", "));
+}
 
 /// Legible on any shade.
 void drawWords(QPainter& painter, const QRectF& place, int flags, const QString& words, const QColor& colour) {
@@ -53,8 +61,9 @@ QColor sliceColour(model::SliceKind kind) {
 
 SlicePane::SlicePane(model::SliceModel& model, model::SliceKind kind, QWidget* parent)
     : QWidget(parent), model_(model), kind_(kind) {
-    setObjectName(QStringLiteral("slicePane") +
-                  (kind == model::SliceKind::Oblique ? QStringLiteral("Oblique") : axisName(axisOf(kind))));
+    setObjectName(QStringLiteral("slicePane") + (kind == model::SliceKind::Oblique
+                                                     ? QStringLiteral("Oblique")
+                                                     : fromStd(model::worldAxisName(worldAxisOf(kind), false))));
     setFocusPolicy(Qt::StrongFocus);
     setMouseTracking(true);
     setMinimumSize(80, 60);
@@ -108,29 +117,40 @@ glm::dvec2 SlicePane::pixelAt(QPointF point) const {
     return {away.x() / map->scale.x, away.y() / map->scale.y};
 }
 
-QString SlicePane::caption() const {
+// From all that there is to state down to the least. The letter is of the axis that the number is along: an axis of the
+// world has places in space, one of a grid that is turned has the numbers of its grid points.
+QStringList SlicePane::captions() const {
     const auto* dataset = model_.dataset();
     if (kind_ == model::SliceKind::Oblique)
-        return tr("Oblique");
-    const int axis = axisOf(kind_);
-    const QString name = axisName(axis);
+        return {tr("Oblique")};
+    const int world = worldAxisOf(kind_);
     if (dataset == nullptr)
-        return name;
-    const double position = model_.options().position[axis];
-    const auto last = dataset->geometry.dims[static_cast<std::size_t>(axis)] - 1;
+        return {fromStd(model::worldAxisName(world, false))};
+    const GridGeometry& geometry = dataset->geometry;
+    const model::AxisNames names(geometry);
+    const int axis = names.gridAxisOf(world);
+    const QString name = fromStd(names.nameOf(axis));
+    const QString index = numberText(model_.options().position[axis]);
+    const auto last = geometry.dims[static_cast<std::size_t>(axis)] - 1;
+    QStringList texts;
+    if (names.areOfWorld()) {
+        const glm::dvec4 place = geometry.indexToWorld() * glm::dvec4(model_.options().position, 1.0);
+        const QString number = fromStd(model::coordinateText(world, place[world], model_.isPatient(), 5));
+        const QString unit = dataset->lengthUnit.empty() ? QString() : QLatin1Char(' ') + fromStd(dataset->lengthUnit);
+        const QString where = (model_.isPatient() ? number : tr("%1 = %2").arg(name, number)) + unit;
+        texts = {tr("%1 (%2 of %3)").arg(where, index).arg(last), where};
+    } else {
+        texts = {tr("%1 = %2 of %3").arg(name, index).arg(last), tr("%1 = %2").arg(name, index)};
+    }
+    if (!model_.isPatient())
+        return texts;
     static constexpr std::array<const char*, 3> kPlanes{QT_TR_NOOP("Sagittal"), QT_TR_NOOP("Coronal"),
                                                         QT_TR_NOOP("Axial")};
-    QString words = tr("%1 = %2 of %3").arg(name, numberText(position)).arg(last);
-    const int world = model::worldAxisOf(dataset->geometry, axis);
-    if (!dataset->lengthUnit.empty()) {
-        const glm::dvec4 place = dataset->geometry.indexToWorld() * glm::dvec4(model_.options().position, 1.0);
-        words +=
-            QStringLiteral(", %1 %2").arg(fromStd(model::valueText(place[world], 5)), fromStd(dataset->lengthUnit));
-    }
-    if (model_.isPatient())
-        return tr(kPlanes[static_cast<std::size_t>(world)]) + QStringLiteral("   ") + words;
-    return words;
+    const QString plane = tr(kPlanes[static_cast<std::size_t>(world)]) + QStringLiteral("   ");
+    return {plane + texts[0], plane + texts[1], texts[1]};
 }
+
+QString SlicePane::caption() const { return captions().front(); }
 
 QString SlicePane::readout() const {
     if (!pointer_)
@@ -140,14 +160,11 @@ QString SlicePane::readout() const {
     if (!reading)
         return {};
     const QString value = reading->value ? numberText(*reading->value) : tr("missing");
-    const auto triple = [](const glm::dvec3& v, int digits) {
-        return QStringLiteral("%1, %2, %3")
-            .arg(fromStd(model::valueText(v.x, digits)), fromStd(model::valueText(v.y, digits)),
-                 fromStd(model::valueText(v.z, digits)));
-    };
-    const std::string& unit = model_.dataset()->lengthUnit;
-    return tr("%1   at (%2)\n%3").arg(value, triple(reading->place, 5), triple(reading->world, 5)) +
-           (unit.empty() ? QString() : QLatin1Char(' ') + fromStd(unit));
+    const model::Dataset& dataset = *model_.dataset();
+    const QString world = fromStd(model::placeText(reading->world, model_.isPatient(), 5));
+    return tr("%1   at (%2)\n%3")
+               .arg(value, gridPlaceText(reading->place, model::AxisNames(dataset.geometry).areInOrder()), world) +
+           (dataset.lengthUnit.empty() ? QString() : QLatin1Char(' ') + fromStd(dataset.lengthUnit));
 }
 
 void SlicePane::resizeEvent(QResizeEvent* event) {
@@ -233,9 +250,12 @@ void SlicePane::paintCrosshair(QPainter& painter, const Mapping& map) const {
     const QPointF place = map.at(model::pixelOf(map.plane, model_.options().position, model_.dataset()->geometry));
     model::SliceKind upright = kind_, level = kind_;
     if (kind_ != model::SliceKind::Oblique) {
-        const model::SliceAxes axes = model::sliceAxes(model_.dataset()->geometry, axisOf(kind_));
-        upright = static_cast<model::SliceKind>(axes.right); // the slice across that axis is seen from its edge
-        level = static_cast<model::SliceKind>(axes.down);
+        const GridGeometry& geometry = model_.dataset()->geometry;
+        const model::SliceAxes axes = model::sliceAxes(geometry, gridAxisOf(kind_, geometry));
+        const model::AxisNames names(geometry);
+        // The slice across that axis is seen from its edge.
+        upright = static_cast<model::SliceKind>(names.worldAxisOf(axes.right));
+        level = static_cast<model::SliceKind>(names.worldAxisOf(axes.down));
     }
     const auto line = [&](QPointF from, QPointF to, model::SliceKind kind) {
         QColor colour = sliceColour(kind);

@@ -67,6 +67,7 @@ private:
         QPointF at(glm::dvec2 pixel) const { return first + QPointF(pixel.x * scale.x, pixel.y * scale.y); }
     };
     std::optional<Mapping> mapping() const;
+    QStringList captions() const;
     void showState();
     /// Image and contour, which change less often than the lines and words above them.
     void paintSlice(const Mapping& mapping);

@@ -123,8 +123,10 @@ void SlicePane::moveCrosshair(QPointF point) {
     const bool isOblique = kind_ == model::SliceKind::Oblique;
     // Across its axis an axis slice stays where it is, also between grid points.
     glm::dvec3 moved = isOblique ? place : model::snappedPlace(place, model_.dataset()->geometry);
-    if (!isOblique)
-        moved[axisOf(kind_)] = model_.options().position[axisOf(kind_)];
+    if (!isOblique) {
+        const int axis = gridAxisOf(kind_, model_.dataset()->geometry);
+        moved[axis] = model_.options().position[axis];
+    }
     model_.moveTo(moved, false);
 }
 

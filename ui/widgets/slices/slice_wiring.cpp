@@ -11,7 +11,9 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/model/surface/shown_surfaces.h"
+#include "ui/widgets/common/texts.h"
 #include "ui/widgets/slices/slice_pane.h"
 #include "ui/widgets/slices/slice_workspace.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -181,7 +183,7 @@ void SliceWiring::connectView() {
             return;
         const glm::dvec3 ahead = *kind == SliceKind::Oblique
                                      ? parts_.slices.options().orientation * glm::dvec3(0.0, 0.0, 1.0)
-                                     : dataset->geometry.direction[axisOf(*kind)];
+                                     : dataset->geometry.direction[gridAxisOf(*kind, dataset->geometry)];
         const bool isTowardsViewer = glm::dot(ahead, parts_.host.viewport()->camera().facingNormal()) > 0.0;
         parts_.slices.step(*kind, isTowardsViewer ? -whole : whole);
     });
@@ -205,6 +207,21 @@ void SliceWiring::showOptions() {
                            "slices.automaticWindow", "slices.wholeWindow"})
         actions_.action(id)->setEnabled(hasVolume && isAnyShown);
     actions_.action("slices.facing")->setEnabled(hasVolume && parts_.host.viewport() != nullptr);
+    nameAxes();
+}
+
+void SliceWiring::nameAxes() {
+    const auto* dataset = parts_.slices.dataset();
+    const model::AxisNames names = dataset != nullptr ? model::AxisNames(dataset->geometry) : model::AxisNames();
+    for (const auto& entry : kKinds) {
+        if (entry.kind == SliceKind::Oblique)
+            continue;
+        const QString name = fromStd(names.nameOf(names.gridAxisOf(worldAxisOf(entry.kind))));
+        nameAction(*actions_.action(entry.pane), tr("Across &%1").arg(name),
+                   tr("One slice beside the 3-D view, across %1").arg(name));
+        nameAction(*actions_.action(entry.scene), tr("Across &%1").arg(name),
+                   tr("The slice across %1 in the 3-D view").arg(name));
+    }
 }
 
 void SliceWiring::showStretch() {
@@ -229,7 +246,8 @@ void SliceWiring::showScene() {
     if (isAnyShown && options.showsCrosshair && parts_.slices.dataset() != nullptr) {
         scene.crosshair = options.position;
         for (const SliceKind kind : {SliceKind::X, SliceKind::Y, SliceKind::Z})
-            scene.axisColours[placeOf(kind)] = asSeen(sliceColour(kind));
+            scene.axisColours[static_cast<std::size_t>(gridAxisOf(kind, parts_.slices.dataset()->geometry))] =
+                asSeen(sliceColour(kind));
     }
     if (scene == scene_) // to draw the view again may take long
         return;
@@ -256,8 +274,8 @@ std::optional<SliceKind> SliceWiring::pushedKind() const {
     std::optional<SliceKind> most;
     double mostAcross = -1.0;
     for (const SliceKind kind : {SliceKind::X, SliceKind::Y, SliceKind::Z}) {
-        const double across =
-            std::abs(glm::dot(dataset->geometry.direction[axisOf(kind)], parts_.host.viewport()->camera().backward()));
+        const glm::dvec3 direction = dataset->geometry.direction[gridAxisOf(kind, dataset->geometry)];
+        const double across = std::abs(glm::dot(direction, parts_.host.viewport()->camera().backward()));
         if (options.inScene[placeOf(kind)] && across > mostAcross) {
             mostAcross = across;
             most = kind;

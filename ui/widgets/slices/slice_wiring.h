@@ -38,6 +38,7 @@ private:
     void connectPanes();
     void connectView();
     void showOptions();
+    void nameAxes();
     void showScene();
     void showStretch();
     /// The slice that keys and menus go through: that of the pane used last, or else one that is shown.

@@ -13,6 +13,7 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
@@ -24,7 +25,7 @@ using Kind = ClipHandle::Kind;
 
 struct AxisAction {
     const char* id;
-    int axis;
+    int row; ///< see model::AxisNames
 };
 constexpr std::array<AxisAction, 3> kAxisActions{{{"clip.acrossX", 0}, {"clip.acrossY", 1}, {"clip.acrossZ", 2}}};
 
@@ -88,9 +89,11 @@ void ClipTool::connectActions(const ActionRegistry& actions) {
         clipping.plane().isOn = true;
     });
     for (const auto& entry : kAxisActions)
-        on(entry.id, [this, axis = entry.axis](model::Clipping& clipping) {
+        on(entry.id, [this, row = entry.row](model::Clipping& clipping) {
             // Along grid lines: where samples lie, also in a turned volume.
-            const glm::dmat3 toWorld(session_.dataset()->geometry.indexToWorld());
+            const GridGeometry& geometry = session_.dataset()->geometry;
+            const int axis = model::AxisNames(geometry).gridAxisInRow(row);
+            const glm::dmat3 toWorld(geometry.indexToWorld());
             const glm::dvec3 across = glm::cross(toWorld[(axis + 1) % 3], toWorld[(axis + 2) % 3]);
             clipping.plane() = model::turnedTo(clipping.plane(), across, glm::dvec3(0.0));
             clipping.plane().isOn = true;
@@ -129,8 +132,13 @@ void ClipTool::showOptions() {
     actions_.action("clip.plane")->setChecked(clipping.plane().isOn);
     actions_.action("clip.second")->setChecked(clipping.active == 1);
     actions_.action("clip.flip")->setEnabled(hasVolume && clipping.plane().isOn);
-    for (const auto& entry : kAxisActions)
+    const model::AxisNames names = hasVolume ? model::AxisNames(dataset->geometry) : model::AxisNames();
+    for (const auto& entry : kAxisActions) {
+        const QString name = fromStd(names.nameOf(names.gridAxisInRow(entry.row)));
         actions_.action(entry.id)->setEnabled(hasVolume);
+        nameAction(*actions_.action(entry.id), tr("Across &%1").arg(name),
+                   tr("Put the clip plane across %1, in the middle").arg(name));
+    }
     for (const auto& entry : kCapActions) {
         actions_.action(entry.id)->setEnabled(hasVolume && clipping.plane().isOn);
         actions_.action(entry.id)->setChecked(clipping.plane().cap == entry.cap);
@@ -296,7 +304,7 @@ QString ClipTool::textOf(const ClipHandle& handle) const {
     const model::CropBox box = model::cropWithin(clipping.crop, dataset->geometry.dims);
     const auto axis = static_cast<std::size_t>(handle.axis);
     return (handle.isHigh ? tr("%1 to %2") : tr("%1 from %2"))
-        .arg(QLatin1Char("XYZ"[axis]))
+        .arg(fromStd(model::AxisNames(dataset->geometry).nameOf(handle.axis)))
         .arg(handle.isHigh ? box.high[axis] : box.low[axis]);
 }
 

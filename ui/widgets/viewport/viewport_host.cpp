@@ -410,7 +410,8 @@ void ViewportHost::placeOverlays() {
     if (viewState_.options().showsChanged && frame)
         legend << changedText();
     if (const auto& stretch = viewState_.options().stage.stretch; frame && model::isStretched(stretch))
-        legend << tr("stretched: %1").arg(QString::fromStdString(model::stretchText(stretch)));
+        legend << tr("stretched: %1")
+                      .arg(QString::fromStdString(model::stretchText(stretch, model::AxisNames(frame->geometry))));
     legend_->setText(legend.join(QStringLiteral("<br>")));
     legend_->adjustSize();
     legend_->setVisible(!legend.isEmpty() && fits(*legend_));

@@ -243,10 +243,10 @@ QList<QKeySequence> keySequences(const char* shortcuts) {
     return sequences;
 }
 
-QString tipWithShortcut(const ActionSpec& spec, const QList<QKeySequence>& keys) {
+QString tipWithShortcut(const QString& tip, const QList<QKeySequence>& keys) {
     if (keys.isEmpty())
-        return translated(spec.tip);
-    return QStringLiteral("%1 (%2)").arg(translated(spec.tip), keys.first().toString(QKeySequence::NativeText));
+        return tip;
+    return QStringLiteral("%1 (%2)").arg(tip, keys.first().toString(QKeySequence::NativeText));
 }
 
 } // namespace
@@ -259,7 +259,7 @@ ActionRegistry::ActionRegistry(QWidget* window) : QObject(window), window_(windo
             const auto keys = keySequences(spec.shortcuts);
             action->setObjectName(QLatin1String(spec.id));
             action->setShortcuts(keys);
-            action->setToolTip(tipWithShortcut(spec, keys));
+            action->setToolTip(tipWithShortcut(translated(spec.tip), keys));
             action->setStatusTip(translated(spec.tip));
             action->setCheckable(spec.isCheckable);
             window->addAction(action);
@@ -276,6 +276,12 @@ QAction* ActionRegistry::action(const char* id) const {
     QAction* found = actions_.value(QLatin1String(id));
     ISO_CHECK(found != nullptr);
     return found;
+}
+
+void nameAction(QAction& action, const QString& text, const QString& tip) {
+    action.setText(text);
+    action.setStatusTip(tip);
+    action.setToolTip(tipWithShortcut(tip, action.shortcuts()));
 }
 
 void ActionRegistry::refreshIcons() {

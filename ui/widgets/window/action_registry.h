@@ -38,4 +38,7 @@ private:
     std::vector<Section> sections_;
 };
 
+/// Another text and tip, for what is called otherwise in some volumes. Buttons keep their text.
+void nameAction(QAction& action, const QString& text, const QString& tip);
+
 } // namespace isoslider::widgets

@@ -146,6 +146,10 @@ void StageWiring::suggest() {
                                           }}});
 }
 
-QString StageWiring::textOf(const glm::dvec3& stretch) { return QString::fromStdString(model::stretchText(stretch)); }
+QString StageWiring::textOf(const glm::dvec3& stretch) const {
+    const auto* dataset = session_.dataset();
+    return QString::fromStdString(
+        model::stretchText(stretch, dataset != nullptr ? model::AxisNames(dataset->geometry) : model::AxisNames()));
+}
 
 } // namespace isoslider::widgets

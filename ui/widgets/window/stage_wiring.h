@@ -39,7 +39,7 @@ private:
     void showOptions();
     void followDataset();
     void suggest();
-    static QString textOf(const glm::dvec3& stretch);
+    QString textOf(const glm::dvec3& stretch) const;
 
     model::Session& session_;
     SettingsStore& settings_;

@@ -29,12 +29,11 @@ StretchDialog::StretchDialog(const model::Session& session, model::ViewState& vi
     text->setWordWrap(true);
     makeQuiet(text);
     auto* grid = new QGridLayout;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        auto* label = new QLabel(QStringLiteral("&") + QLatin1Char("XYZ"[axis]), this);
+    for (int row = 0; row < 3; ++row) {
+        const auto a = static_cast<std::size_t>(row);
+        auto* label = names_[a] = new QLabel(this);
         auto* factor = factors_[a] = new QDoubleSpinBox(this);
-        factor->setObjectName(QStringLiteral("stretch%1").arg(QLatin1Char("XYZ"[axis])));
-        factor->setAccessibleName(tr("Stretch along %1").arg(QLatin1Char("XYZ"[axis])));
+        factor->setObjectName(QStringLiteral("stretch%1").arg(QLatin1Char("XYZ"[row])));
         factor->setDecimals(3);
         factor->setRange(1.0 / model::kMostStretch, model::kMostStretch);
         factor->setPrefix(tr("× "));
@@ -43,12 +42,12 @@ StretchDialog::StretchDialog(const model::Session& session, model::ViewState& vi
         label->setBuddy(factor);
         sides_[a] = new QLabel(this);
         makeQuiet(sides_[a]);
-        grid->addWidget(label, axis, 0);
-        grid->addWidget(factor, axis, 1);
-        grid->addWidget(sides_[a], axis, 2);
-        connect(factor, &QDoubleSpinBox::valueChanged, this, [this, axis](double value) {
+        grid->addWidget(label, row, 0);
+        grid->addWidget(factor, row, 1);
+        grid->addWidget(sides_[a], row, 2);
+        connect(factor, &QDoubleSpinBox::valueChanged, this, [this, row](double value) {
             glm::dvec3 stretch = view_.options().stage.stretch;
-            stretch[axis] = value;
+            stretch[axisInRow(row)] = value;
             set(stretch);
         });
     }
@@ -81,6 +80,13 @@ StretchDialog::StretchDialog(const model::Session& session, model::ViewState& vi
     showState();
 }
 
+model::AxisNames StretchDialog::axisNames() const {
+    const auto* dataset = session_.dataset();
+    return dataset != nullptr ? model::AxisNames(dataset->geometry) : model::AxisNames();
+}
+
+int StretchDialog::axisInRow(int row) const { return axisNames().gridAxisInRow(row); }
+
 void StretchDialog::set(const glm::dvec3& stretch) {
     auto options = view_.options();
     options.stage.stretch = stretch;
@@ -90,8 +96,12 @@ void StretchDialog::set(const glm::dvec3& stretch) {
 void StretchDialog::showState() {
     const auto* dataset = session_.dataset();
     const glm::dvec3& stretch = view_.options().stage.stretch;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
+    for (int row = 0; row < 3; ++row) {
+        const auto a = static_cast<std::size_t>(row);
+        const int axis = axisInRow(row);
+        const QString name = fromStd(axisNames().nameOf(axis));
+        names_[a]->setText(QLatin1Char('&') + name);
+        factors_[a]->setAccessibleName(tr("Stretch along %1").arg(name));
         const QSignalBlocker quiet(factors_[a]);
         factors_[a]->setValue(stretch[axis]);
         factors_[a]->setEnabled(dataset != nullptr);
@@ -99,8 +109,8 @@ void StretchDialog::showState() {
             sides_[a]->clear();
             continue;
         }
-        const double side =
-            std::abs(dataset->geometry.spacing[axis]) * static_cast<double>(dataset->geometry.dims[a] - 1);
+        const double side = std::abs(dataset->geometry.spacing[axis]) *
+                            static_cast<double>(dataset->geometry.dims[static_cast<std::size_t>(axis)] - 1);
         sides_[a]->setText(tr("%1 long").arg(inLengthUnit(fromStd(model::valueText(side, 4)), dataset->lengthUnit)));
     }
     suggested_->setEnabled(dataset != nullptr && model::suggestedStretch(dataset->geometry).has_value());

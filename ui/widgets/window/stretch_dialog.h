@@ -5,6 +5,7 @@
 #include <QDialog>
 
 #include "ui/model/observers.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/model/surface/view_state.h"
 
 class QDoubleSpinBox;
@@ -26,10 +27,13 @@ public:
 
 private:
     void set(const glm::dvec3& stretch);
+    model::AxisNames axisNames() const;
+    int axisInRow(int row) const;
     void showState();
 
     const model::Session& session_;
     model::ViewState& view_;
+    std::array<QLabel*, 3> names_{}; ///< one for each row, in the order of model::AxisNames, and so are those below
     std::array<QDoubleSpinBox*, 3> factors_{};
     std::array<QLabel*, 3> sides_{};
     QPushButton* suggested_;

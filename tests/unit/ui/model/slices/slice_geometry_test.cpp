@@ -53,14 +53,16 @@ TEST(SliceGeometry, LaysSlicesByTheWorldWhateverTheOrderOfTheSamples) {
         for (const SliceKind kind : {SliceKind::X, SliceKind::Y, SliceKind::Z}) {
             const auto plane = planeOf(kind, at({9.0, 9.0, 9.0}), geometry);
             const glm::dvec3 right = toWorld * plane.right, down = toWorld * plane.down;
-            const int across = worldAxisOf(geometry, axisOf(kind));
+            const int across = worldAxisOf(kind);
+            const int axis = gridAxisOf(kind, geometry);
+            EXPECT_GT(std::abs(geometry.direction[axis][across]), 0.8);
             EXPECT_GT(right[across == 0 ? 1 : 0], 0.8 * glm::length(right));
             EXPECT_GT(down[across == 2 ? 1 : 2] * (across == 2 ? 1.0 : -1.0), 0.8 * glm::length(down));
             for (const auto& [column, row] :
                  {std::pair(0, 0), std::pair(plane.width - 1, 0), std::pair(plane.width - 1, plane.height - 1)}) {
                 const glm::dvec3 corner = plane.at(column, row);
                 EXPECT_EQ(clampedPlace(corner, geometry), corner);
-                EXPECT_EQ(corner[axisOf(kind)], 9.0);
+                EXPECT_EQ(corner[axis], 9.0);
                 const glm::dvec2 pixel = pixelOf(plane, corner, geometry);
                 EXPECT_NEAR(pixel.x, column, 1e-9);
                 EXPECT_NEAR(pixel.y, row, 1e-9);
@@ -78,9 +80,21 @@ TEST(SliceGeometry, PatientsHaveTheirRightOnTheLeftAndFaceUpwards) {
     const auto sagittal = sliceLabels(SliceKind::X, at({}), geometry, true);
     EXPECT_EQ(sagittal.left + sagittal.right + sagittal.top + sagittal.bottom, "APSI");
     const auto plain = sliceLabels(SliceKind::Z, at({}), geometry, false);
-    EXPECT_EQ(plain.left, "X") << "the grid's own, where it grows";
-    EXPECT_EQ(plain.top, "Y");
-    EXPECT_EQ(plain.right + plain.bottom, "");
+    EXPECT_EQ(plain.right, "X") << "the world's, where it grows";
+    EXPECT_EQ(plain.bottom, "Y");
+    EXPECT_EQ(plain.left + plain.top, "");
+    const auto upright = sliceLabels(SliceKind::X, at({}), geometry, false);
+    EXPECT_EQ(upright.right + upright.top, "YZ");
+    EXPECT_EQ(upright.left + upright.bottom, "");
+}
+
+TEST(SliceGeometry, LabelsHaveTheNamesOfTheAxesThatAreSeen) {
+    const glm::dvec3 x(1.0, 0.0, 0.0), y(0.0, 1.0, 0.0), z(0.0, 0.0, 1.0);
+    const auto permuted = sliceLabels(SliceKind::Z, at({}), along({z, x, -y}), false);
+    EXPECT_EQ(permuted.right + permuted.bottom, "XY");
+    const glm::dmat3 tilt = glm::mat3_cast(glm::angleAxis(0.3, x));
+    const auto turned = sliceLabels(SliceKind::Z, at({}), along({tilt * z, tilt * x, -(tilt * y)}), false);
+    EXPECT_EQ(turned.right + turned.top, "jk") << "the grid's own, where they grow";
 }
 
 TEST(SliceGeometry, OfLargeVolumesAndPreviewsTakesEveryNthSample) {
