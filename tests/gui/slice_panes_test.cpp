@@ -155,5 +155,22 @@ TEST_F(SlicePanesTest, PlacesInAPatientHaveTheirDirections) {
     keepPicture(*window_, "slices-patient");
 }
 
+TEST_F(SlicePanesTest, ANarrowPaneKeepsThePlaceAndItsUnitLongest) {
+    openIn("patient.mha", "DistanceUnits = mm\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = -10.25 20.125 30\n"
+                          "AnatomicalOrientation = RAI\n");
+    auto& coronal = pane(SliceKind::Y);
+    QStringList shown;
+    for (int width = 400; width >= 110; width -= 10) {
+        coronal.resize(width, 120);
+        const QString text = coronal.shownCaption();
+        EXPECT_LE(coronal.fontMetrics().horizontalAdvance(text), width) << width;
+        EXPECT_TRUE(text.contains(QStringLiteral("P 28.125 mm"))) << width << text.toStdString();
+        if (shown.isEmpty() || shown.last() != text)
+            shown << text;
+    }
+    EXPECT_EQ(shown.join(QStringLiteral(" | ")).toStdString(),
+              "Coronal   P 28.125 mm (8 of 15) | Coronal   P 28.125 mm | P 28.125 mm");
+}
+
 } // namespace
 } // namespace isoslider::test

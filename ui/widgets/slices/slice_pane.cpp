@@ -152,6 +152,15 @@ QStringList SlicePane::captions() const {
 
 QString SlicePane::caption() const { return captions().front(); }
 
+QString SlicePane::shownCaption() const {
+    const QStringList texts = captions();
+    const QFontMetricsF metrics(font());
+    for (const QString& text : texts)
+        if (metrics.horizontalAdvance(text) <= width() - 2.0 * kMargin)
+            return text;
+    return texts.back();
+}
+
 QString SlicePane::readout() const {
     if (!pointer_)
         return {};
@@ -275,7 +284,7 @@ void SlicePane::paintWords(QPainter& painter) const {
     QFont small = font();
     small.setPointSizeF(std::max(6.5, font().pointSizeF() * 0.88));
     painter.setFont(font());
-    drawWords(painter, room, Qt::AlignLeft | Qt::AlignTop, caption(), sliceColour(kind_));
+    drawWords(painter, room, Qt::AlignLeft | Qt::AlignTop, shownCaption(), sliceColour(kind_));
     if (model_.dataset() == nullptr)
         return;
     if (const auto step = model_.shownStep(kind_); step > 1)
@@ -288,21 +297,23 @@ void SlicePane::paintWords(QPainter& painter) const {
     drawWords(painter, room, Qt::AlignLeft | Qt::AlignVCenter, fromStd(labels.left), kWords);
     drawWords(painter, room, Qt::AlignRight | Qt::AlignVCenter, fromStd(labels.right), kWords);
     // Below the caption where that reaches the middle.
-    const double captionEnd = kMargin + fontMetrics().horizontalAdvance(caption()) + 2.0 * kMargin;
+    const double captionEnd = kMargin + fontMetrics().horizontalAdvance(shownCaption()) + 2.0 * kMargin;
     const double down = captionEnd > room.center().x() - kMargin ? fontMetrics().height() : 0.0;
     drawWords(painter, room.adjusted(0, down, 0, 0), Qt::AlignHCenter | Qt::AlignTop, fromStd(labels.top), kWords);
-    drawWords(painter, room, Qt::AlignHCenter | Qt::AlignBottom, fromStd(labels.bottom), kWords);
-    painter.setFont(small);
     const QString words = readout();
     const QFontMetricsF metrics(small);
+    const QSizeF wordsSize = metrics.boundingRect(QRectF(), 0, words).size();
+    // And above what is stated of the pointer's place, likewise.
+    const double up = wordsSize.width() + 2.0 * kMargin > 0.5 * room.width() ? wordsSize.height() : 0.0;
+    drawWords(painter, room.adjusted(0, 0, 0, -up), Qt::AlignHCenter | Qt::AlignBottom, fromStd(labels.bottom), kWords);
+    painter.setFont(small);
     const model::ValueWindow window = model_.window();
     const QString range =
         tr("W %1\nL %2")
             .arg(fromStd(model::valueText(window.width(), 4)), fromStd(model::valueText(window.level(), 4)));
     drawWords(painter, room, Qt::AlignLeft | Qt::AlignBottom, words, kWords);
     // The value is what people look for: the window gives way.
-    const double needed =
-        metrics.boundingRect(QRectF(), 0, words).width() + metrics.boundingRect(QRectF(), 0, range).width();
+    const double needed = wordsSize.width() + metrics.boundingRect(QRectF(), 0, range).width();
     if (needed + 3 * kMargin >= room.width())
         return;
     const QRectF place = metrics.boundingRect(room, Qt::AlignRight | Qt::AlignBottom, range);

@@ -36,6 +36,8 @@ public:
     /// What is stated of the place under the pointer; empty while it is elsewhere.
     QString readout() const;
     QString caption() const;
+    /// As much of the caption as the pane has room for; the place and its unit are kept longest.
+    QString shownCaption() const;
     QSize sizeHint() const override { return {320, 320}; }
 
 Q_SIGNALS:
