@@ -298,7 +298,7 @@ TEST_F(ChoicesTest, TitleAndUnitAreShownInThePanels) {
     EXPECT_EQ(title->toolTip(), QStringLiteral("b"));
     const QString unit = QChar(QChar::Nbsp) + QStringLiteral("mm");
     EXPECT_NE(labelled(QStringLiteral("1 × 1 × 1") + unit), nullptr) << "spacing";
-    EXPECT_NE(labelled(QStringLiteral("(0, 0, 0)") + unit), nullptr) << "origin";
+    EXPECT_NE(labelled(QStringLiteral("L 0, P 0, S 0") + unit), nullptr) << "origin";
     EXPECT_NE(labelled(QStringLiteral("23 × 19 × 27") + unit), nullptr) << "box";
     trigger("mesh.check");
     ASSERT_TRUE(waitUntil([&] { return session_->certificate().has_value(); }));

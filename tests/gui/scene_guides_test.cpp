@@ -15,11 +15,13 @@
 
 #include "tests/gui/window_fixture.h"
 #include "ui/model/surface/orientation_cube.h"
+#include "ui/widgets/panels/fact_texts.h"
 #include "ui/widgets/viewport/box_ticks_view.h"
 #include "ui/widgets/viewport/camera_flight.h"
 #include "ui/widgets/viewport/orientation_cube.h"
 #include "ui/widgets/viewport/scale_bar_view.h"
 #include "ui/widgets/viewport/viewport_host.h"
+#include "ui/widgets/viewport/viewport_overlay.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
 #include "ui/widgets/window/message_bar.h"
@@ -320,6 +322,35 @@ TEST_F(FirstViewTest, PatientsAreSeenFromTheFrontHeadUp) {
     QTest::keyClick(&viewport(), Qt::Key_R);
     EXPECT_NEAR(camera().backward().y, -1.0, 1e-9);
     EXPECT_GT(camera().halfHeight(), 15.0) << "the whole volume";
+}
+
+TEST_F(FirstViewTest, TicksAndFactsOfPatientsNameTheirDirections) {
+    openNext(writeNiftiBall(folder_, 24));
+    trigger("view.ticks");
+    QStringList titles;
+    for (const auto& edge : child<widgets::BoxTicksView>("boxTicks")->edges()) {
+        titles << edge.title;
+        for (const auto& [place, number] : edge.ticks)
+            EXPECT_TRUE(number == QLatin1String("0") || edge.title.contains(number.left(1)))
+                << edge.title.toStdString() << number.toStdString();
+    }
+    EXPECT_TRUE(titles.contains(QStringLiteral("R–L"))) << titles.join(QLatin1Char(' ')).toStdString();
+    const auto* glyph = window_->findChild<widgets::AxesGlyph*>();
+    EXPECT_EQ(glyph->letters().join(QString()), QStringLiteral("LPS"));
+    keepPicture(*window_, "ticks-patient");
+    GridGeometry geometry;
+    geometry.dims = {2, 2, 2};
+    geometry.origin = {90.0, 125.0, -71.0};
+    const auto textOf = [&](const char* name, bool isPatient) {
+        for (const auto& fact : widgets::placeFactsOf(geometry, "mm", isPatient))
+            if (fact.name == QLatin1String(name))
+                return QString(fact.value).replace(QChar(QChar::Nbsp), QLatin1Char(' ')).toStdString();
+        return std::string();
+    };
+    EXPECT_EQ(textOf("Origin", true), "L 90, P 125, I 71 mm");
+    EXPECT_EQ(textOf("Coordinates", true), "LPS");
+    EXPECT_EQ(textOf("Origin", false), "(90, 125, -71) mm");
+    EXPECT_EQ(textOf("Coordinates", false), "");
 }
 
 TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {

@@ -72,7 +72,7 @@ std::vector<Fact> factsOf(const model::OpenModel& model, const model::VolumeChoi
     facts.push_back({VolumeDialog::tr("Sample type"), typeText(info.type), {}});
     facts.push_back({VolumeDialog::tr("Sample data"), fromStd(model::bytesText(bytesOf(dims, info.type))),
                      VolumeDialog::tr("%1 bytes").arg(fromStd(model::groupedText(bytesOf(dims, info.type))))});
-    auto place = placeFactsOf(info.geometry, info.lengthUnit);
+    auto place = placeFactsOf(info.geometry, info.lengthUnit, info.isPatientSpace);
     if (choice.hasSize())
         place.erase(place.begin()); // the spacing is the preview's
     std::move(place.begin(), place.end(), std::back_inserter(facts));

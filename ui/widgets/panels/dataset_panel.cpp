@@ -79,7 +79,7 @@ std::vector<Fact> volumeFactsOf(const model::Dataset& dataset, bool isPreview, b
                              .arg(dimsText(io::coarseDims(geometry.dims, dataset.coarseStep)))
                              .arg(dataset.coarseStep),
                          DatasetPanel::tr("One of %1 samples along each axis").arg(dataset.coarseStep)});
-    for (auto& fact : placeFactsOf(geometry, dataset.lengthUnit))
+    for (auto& fact : placeFactsOf(geometry, dataset.lengthUnit, model::isPatientSpace(dataset)))
         facts.push_back(std::move(fact));
     facts.push_back({DatasetPanel::tr("Sample type"), typeText(dataset.type), {}});
     for (auto& fact : sampleFactsOf(dataset, isPreview, isInMemory))

@@ -5,6 +5,7 @@
 #include <QCoreApplication>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/model/surface/axis_names.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -48,18 +49,27 @@ QString perLengthUnit(const QString& number, const std::string& unit) {
     return QString(text).replace(QLatin1Char(' '), QChar(QChar::Nbsp));
 }
 
-std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit) {
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit, bool isPatient) {
     const auto withUnit = [&](const QString& text) { return unit.empty() ? text : inLengthUnit(text, unit); };
     const QString tip = unit.empty() ? tr("The file does not state its unit of length") : QString();
     glm::dvec3 size = geometry.spacing;
     for (int axis = 0; axis < 3; ++axis)
         size[axis] *= static_cast<double>(geometry.dims[static_cast<std::size_t>(axis)] - 1);
-    std::vector<Fact> facts{{tr("Spacing"), withUnit(valueTriple(geometry.spacing)), tip},
-                            {tr("Origin"), withUnit(pointText(geometry.origin)), tip},
-                            {tr("Box"), withUnit(valueTriple(size)), tr("From the first grid points to the last")}};
+    std::vector<Fact> facts{{tr("Spacing"), withUnit(valueTriple(geometry.spacing)), tip}};
+    if (isPatient) {
+        const glm::dvec3 ras = geometry.origin * glm::dvec3(-1.0, -1.0, 1.0) + 0.0; // no negative zeros
+        facts.push_back({tr("Origin"), withUnit(fromStd(model::placeText(geometry.origin, true, 6))),
+                         tr("%1 in LPS, %2 in RAS, as NIfTI has it").arg(pointText(geometry.origin), pointText(ras))});
+        facts.push_back({tr("Coordinates"), tr("LPS"),
+                         tr("x grows to the patient's left, y to posterior, z to superior, as in DICOM. NIfTI files "
+                            "are RAS: x and y have the opposite sign there")});
+    } else {
+        facts.push_back({tr("Origin"), withUnit(pointText(geometry.origin)), tip});
+    }
+    facts.push_back({tr("Box"), withUnit(valueTriple(size)), tr("From the first grid points to the last")});
     if (geometry.direction != glm::dmat3(1.0))
         facts.push_back({tr("Axes"), geometry.isLeftHanded() ? tr("turned, left-handed") : tr("turned"),
-                         tr("x %1\ny %2\nz %3")
+                         tr("i %1\nj %2\nk %3")
                              .arg(pointText(geometry.direction[0]), pointText(geometry.direction[1]),
                                   pointText(geometry.direction[2]))});
     return facts;

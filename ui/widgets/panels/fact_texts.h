@@ -24,8 +24,9 @@ QString typeText(ScalarType type);
 
 /// What a grid that is not uniform loses by being resampled; empty if it was not.
 std::vector<Fact> resamplingFactsOf(const std::optional<io::ResampleReport>& report);
-/// Spacing, origin, size of the box and, where they are turned, axes. `unit` may be empty: not known.
-std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit);
+/// Spacing, origin, size of the box and, where they are turned, axes. `unit` may be empty: not known. `isPatient`: the
+/// world's axes are a patient's, and places are stated by the patient's directions.
+std::vector<Fact> placeFactsOf(const GridGeometry& geometry, const std::string& unit, bool isPatient);
 /// "1,234", or "1,234 about the crop box" where the frame's surface was made there only.
 QString countText(const extract::SurfaceFrame& frame, std::uint64_t count);
 /// "12.5 mm²": a number in a power of the unit of length, 1 to 3; "12.5 units²" where that is not known.

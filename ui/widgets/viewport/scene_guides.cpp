@@ -14,6 +14,7 @@
 #include "ui/model/colouring/colour_model.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/axis_names.h"
 #include "ui/model/surface/box_ticks.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/widgets/panels/fact_texts.h"
@@ -100,9 +101,11 @@ void SceneGuides::showTicks() {
     std::vector<BoxTicksView::Edge> edges;
     for (const model::TickedEdge& ticked : model::tickedEdges(volume, toScreen, {room.width(), room.height()})) {
         BoxTicksView::Edge edge;
-        const QString letter(QLatin1Char("XYZ"[ticked.axis]));
+        const bool isPatient = model::isPatientSpace(*dataset) && ticked.isOfWorld;
         const QString unit = fromStd(dataset->lengthUnit);
-        const QString name = ticked.isOfWorld ? letter : tr("along %1").arg(letter);
+        const QString name = ticked.isOfWorld
+                                 ? fromStd(model::worldAxisName(ticked.axis, isPatient))
+                                 : tr("along %1").arg(fromStd(model::AxisNames(volume).nameOf(ticked.axis)));
         edge.title = unit.isEmpty() ? name : tr("%1 (%2)").arg(name, unit);
         edge.from = pixelOf(ticked.from);
         edge.to = pixelOf(ticked.to);
@@ -112,7 +115,9 @@ void SceneGuides::showTicks() {
             across = -across;
         edge.outwards = across / std::hypot(across.x(), across.y());
         for (const auto& tick : ticked.ticks)
-            edge.ticks.emplace_back(pixelOf(tick.place), fromStd(model::valueText(tick.value, 7)));
+            edge.ticks.emplace_back(
+                pixelOf(tick.place),
+                fromStd(model::coordinateText(ticked.axis, tick.value, isPatient && tick.value != 0.0, 7)));
         edges.push_back(std::move(edge));
     }
     ticks_->setEdges(std::move(edges), model::isLight(options.stage.background));

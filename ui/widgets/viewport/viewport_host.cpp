@@ -365,6 +365,7 @@ void ViewportHost::showState() {
     startPage_->setVisible(isEmpty);
     loading_->showState();
     const auto& options = viewState_.options();
+    axes_->setPatient(session_.dataset() != nullptr && model::isPatientSpace(*session_.dataset()));
     areAxesWanted_ = options.showsAxes && viewport_ != nullptr && session_.dataset() != nullptr;
     isReadoutWanted_ = options.showsReadout && viewport_ != nullptr && session_.frame() != nullptr;
     preview_->setText(standInText());

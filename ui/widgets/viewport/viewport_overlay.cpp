@@ -29,15 +29,25 @@ void AxesGlyph::setOrientation(const glm::dquat& cameraToWorld) {
     update();
 }
 
+void AxesGlyph::setPatient(bool isPatient) {
+    isPatient_ = isPatient;
+    update();
+}
+
+QStringList AxesGlyph::letters() const {
+    return (isPatient_ ? QStringLiteral("L P S") : QStringLiteral("X Y Z")).split(QLatin1Char(' '));
+}
+
 void AxesGlyph::setOnLight(bool isOnLight) {
     isOnLight_ = isOnLight;
     update();
 }
 
 void AxesGlyph::paintEvent(QPaintEvent*) {
-    std::array<Axis, 3> axes{{{QStringLiteral("X"), QColor(235, 98, 92), worldToCamera_ * glm::dvec3(1, 0, 0)},
-                              {QStringLiteral("Y"), QColor(126, 200, 92), worldToCamera_ * glm::dvec3(0, 1, 0)},
-                              {QStringLiteral("Z"), QColor(104, 160, 250), worldToCamera_ * glm::dvec3(0, 0, 1)}}};
+    const QStringList names = letters();
+    std::array<Axis, 3> axes{{{names[0], QColor(235, 98, 92), worldToCamera_ * glm::dvec3(1, 0, 0)},
+                              {names[1], QColor(126, 200, 92), worldToCamera_ * glm::dvec3(0, 1, 0)},
+                              {names[2], QColor(104, 160, 250), worldToCamera_ * glm::dvec3(0, 0, 1)}}};
     // Far ones first, near ones over them.
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.direction.z < b.direction.z; });
     QPainter painter(this);
