@@ -333,6 +333,32 @@ TEST_F(TransparentSurfacesTest, TheBoxIsSeenBeforeAndThroughThem) {
     EXPECT_GT(through, 20);
 }
 
+TEST_F(TransparentSurfacesTest, OnlySurfacesOfTheVolumeHaveTheColoursOfItsField) {
+    const auto frame = frameAt(1.0);
+    auto view = viewOf(frame, 0.4, 0.2, true);
+    view.inactive = {{model::SurfaceId{2}, frame, look(kBlue, 1.0)}};
+    const auto isDrawnByField = [&] {
+        view.colours = {};
+        const QImage own = draw(view);
+        view.colours = {.by = model::ColourBy::X, .range = {0.0, kLayerPoints - 1.0}};
+        return draw(view) != own;
+    };
+    for (const float opacity : {1.0f, 0.5f}) {
+        view.options = {};
+        view.inactive[0].look.opacity = opacity;
+        view.inactive[0].isOfVolume = true;
+        EXPECT_TRUE(isDrawnByField());
+        view.options.pieces.isColoured = true;
+        EXPECT_FALSE(isDrawnByField()) << "beside coloured pieces";
+        view.options.pieces.isColoured = false;
+        view.options.showsLevels = true;
+        EXPECT_FALSE(isDrawnByField()) << "beside colours of merged cells";
+        view.options.showsLevels = false;
+        view.inactive[0].isOfVolume = false;
+        EXPECT_FALSE(isDrawnByField()) << "of a second volume";
+    }
+}
+
 TEST(TransparentLayers, PeelsNoMoreThanCanBeSeen) {
     using render::TransparentLayers;
     EXPECT_EQ(TransparentLayers::layersFor(1.0f, false), 1);

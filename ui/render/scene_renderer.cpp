@@ -107,6 +107,7 @@ struct SceneRenderer::OnCard {
     SurfaceBuffers& buffers; ///< with something to draw
     SurfaceLook look;
     bool isActive;
+    bool isOfVolume;
     Matrices matrices;
 };
 
@@ -349,9 +350,10 @@ void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& vi
         if (surface.isOfVolume && surface.look.isVisible)
             fills.push_back({static_cast<float>(surface.frame->isovalue), surface.look.colour});
     std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
+    const model::SurfaceColours colours = isColouredByField(view.options) ? view.colours : model::SurfaceColours();
     resources_->clipGuides.draw(
         clipping, view.caps,
-        {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, view.camera, resources_->colours, view.colours});
+        {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, view.camera, resources_->colours, colours});
 }
 
 void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels) {
@@ -378,7 +380,8 @@ void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::i
 
 std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& view, Detail detail) {
     std::vector<OnCard> surfaces;
-    const auto add = [&](const extract::SurfaceFrame& frame, SurfaceBuffers& buffers, SurfaceLook look, bool isActive) {
+    const auto add = [&](const extract::SurfaceFrame& frame, SurfaceBuffers& buffers, SurfaceLook look, bool isActive,
+                         bool isOfVolume) {
         if (!look.isVisible)
             return;
         if (!resources_->canPeel())
@@ -386,12 +389,12 @@ std::vector<SceneRenderer::OnCard> SceneRenderer::surfacesOf(const SceneView& vi
         Matrices matrices = matricesOf(frame.geometry, view);
         const int blockCells = detail == Detail::Coarse ? draftBlockCells(frame, look) : 1;
         if (buffers.prepare(blockCells, matrices.surface))
-            surfaces.push_back({frame, buffers, look, isActive, std::move(matrices)});
+            surfaces.push_back({frame, buffers, look, isActive, isOfVolume, std::move(matrices)});
     };
     for (const auto& entry : resources_->inactive.entries())
-        add(*entry->surface.frame, entry->buffers, entry->surface.look, false);
+        add(*entry->surface.frame, entry->buffers, entry->surface.look, false, entry->surface.isOfVolume);
     if (frame_)
-        add(*frame_, resources_->active, view.look, true);
+        add(*frame_, resources_->active, view.look, true, true);
     return surfaces;
 }
 
@@ -410,7 +413,9 @@ void SceneRenderer::useProgram(QOpenGLShaderProgram& program, const OnCard& surf
     program.setUniformValue("normalToView", matrices.normalToView);
     program.setUniformValue("frontColour", toQt(front));
     program.setUniformValue("backColour", toQt(back));
-    resources_->colours.set(program, view.colours, surface.frame.geometry, volume_);
+    const bool isByField = isColouredByField(options, surface.isOfVolume);
+    resources_->colours.set(program, isByField ? view.colours : model::SurfaceColours(), surface.frame.geometry,
+                            volume_);
     program.setUniformValue("highlightColour", QVector4D());
     program.setUniformValue("spot", toQt(glm::vec4(matrices.spot, kSpotCells)));
     program.setUniformValue(

@@ -43,4 +43,10 @@ struct SceneView {
     model::SurfaceColours colours; ///< of all of them
 };
 
+/// What a surface, or the caps of those of the volume, is coloured by. A field is that of the volume, not of a second
+/// one; and where pieces or merged cells have colours that mean something, nothing is coloured by a field beside them.
+inline bool isColouredByField(const model::ViewOptions& options, bool isOfVolume = true) {
+    return isOfVolume && !options.pieces.isColoured && !options.showsLevels;
+}
+
 } // namespace isoslider::render

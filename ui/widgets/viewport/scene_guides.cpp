@@ -132,8 +132,8 @@ void SceneGuides::showColours() {
     const int bottom =
         options.showsScaleBar ? room.height() - 2 * kMargin - scaleBar_->sizeHint().height() : room.height() - kMargin;
     const int height = std::min(bottom - top, kMostColourBar);
-    const bool isWanted = colours.by != model::ColourBy::One && options.showsColourBar && !options.pieces.isColoured &&
-                          !options.showsLevels && height >= ColourBarView::kLeastHeight &&
+    const bool isWanted = colours.by != model::ColourBy::One && options.showsColourBar &&
+                          render::isColouredByField(options) && height >= ColourBarView::kLeastHeight &&
                           room.width() >= kLeastForBar.width();
     colourBar_->setVisible(isWanted);
     if (!isWanted)

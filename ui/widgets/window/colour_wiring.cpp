@@ -9,6 +9,7 @@
 #include "ui/model/opening/raw_guess.h"
 #include "ui/model/opening/raw_import_model.h"
 #include "ui/model/session/session.h"
+#include "ui/render/scene_view.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/opening/file_dialogs.h"
 #include "ui/widgets/opening/file_filters.h"
@@ -140,7 +141,8 @@ void ColourWiring::showState() {
         action.setToolTip(action.statusTip());
         action.setChecked(!hasPieces && wanted.by == entry.by);
     }
-    const bool hasValues = hasVolume && !hasPieces && wanted.by != model::ColourBy::One;
+    const bool hasValues =
+        hasVolume && render::isColouredByField(parts_.host.viewState().options()) && wanted.by != model::ColourBy::One;
     for (const auto& entry : kColourMapActions) {
         actions_.action(entry.id)->setEnabled(hasValues); // a map of nothing would change nothing
         actions_.action(entry.id)->setChecked(wanted.map == entry.map);
