@@ -64,16 +64,19 @@ TEST_F(DetailControlTest, TradesTrianglesForAnError) {
     EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
 }
 
-TEST_F(DetailControlTest, StaysForTheNextVolume) {
+TEST_F(DetailControlTest, ANewVolumeBeginsWithoutAnError) {
     open(index::IndexKind::Metacells);
     press(Qt::Key_Right, 7);
+    EXPECT_EQ(value().toStdString(), "0.5 cells");
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.5);
+    const auto merged = session_->frame()->stats.activeLeaves;
+    EXPECT_GT(merged[1] + merged[2] + merged[3], merged[0]);
     openBall(30);
     session_->isovalue().request(-10.0);
     ASSERT_TRUE(waitUntil([this] { return session_->frame()->isovalue == -10.0; }));
-    EXPECT_EQ(value().toStdString(), "0.5 cells");
-    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.5);
-    const auto& leaves = session_->frame()->stats.activeLeaves;
-    EXPECT_GT(leaves[1] + leaves[2] + leaves[3], leaves[0]);
+    EXPECT_EQ(value().toStdString(), "none");
+    EXPECT_EQ(session_->frame()->mergeBound.limit, 0.0);
+    EXPECT_FALSE(window_->actions().action("edit.undo")->text().contains(QStringLiteral("Error"))) << "nobody set it";
 }
 
 TEST_F(DetailControlTest, IsCoarserWhileTheHandleIsHeld) {

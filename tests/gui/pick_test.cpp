@@ -55,6 +55,15 @@ TEST_F(PickTest, OneIsShownAloneFromTheMenuOfTheView) {
     EXPECT_FALSE(pieces().selected);
 }
 
+TEST_F(PickTest, ANewVolumeHasPiecesOfOneColour) {
+    trigger("pieces.colour");
+    ASSERT_TRUE(pieces().isColoured);
+    window_->openFile(QString::fromStdString(writeSeparateCones(folder_).string()));
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_FALSE(pieces().isColoured);
+    EXPECT_FALSE(action("pieces.colour")->isChecked());
+}
+
 TEST_F(PickTest, TheMenuOfTheViewHidesSmallerOnesKeepsTheLargestAndUndoes) {
     pick(pixelOf(1));
     ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));

@@ -148,13 +148,13 @@ void Session::forgetDataset() {
     standIn_.reset();
     isFrameOfActive_ = true;
     surfaces_.clear();
-    detail_.dropAdopted(); // last: nothing is left to be made with another error
+    detail_.clearError(); // last: nothing is left to be made with another error
 }
 
 void Session::adopt(LoadedDataset loaded) {
     forgetDataset();
     if (const auto& index = loaded.dataset.index; loaded.engine && index && index->mergeError > 0.0)
-        detail_.adoptError(extract::builtError(*index)); // it was built to be seen so
+        detail_.setError(extract::builtError(*index)); // it was built to be seen so
     pictureLimit_ = std::numeric_limits<std::uint64_t>::max();
     worker_->limitPicture(pictureLimit_);
     second_->limitPicture(pictureLimit_);

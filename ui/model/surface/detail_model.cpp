@@ -21,21 +21,10 @@ void DetailModel::setError(const extract::MergeError& error) {
     if (!std::isfinite(error.amount) || error.amount < 0.0 || error == error_)
         return;
     error_ = error;
-    beforeAdopted_.reset();
     changed_.notify();
 }
 
-void DetailModel::adoptError(const extract::MergeError& error) {
-    const extract::MergeError before = error_;
-    setError(error);
-    if (before != error_)
-        beforeAdopted_ = before;
-}
-
-void DetailModel::dropAdopted() {
-    if (beforeAdopted_)
-        setError(*beforeAdopted_);
-}
+void DetailModel::clearError() { setError({error_.measure, 0.0}); }
 
 void DetailModel::setCoarserWhileMoving(bool isCoarser) {
     if (isCoarser == isCoarserWhileMoving_)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -18,9 +17,8 @@ public:
     const extract::MergeError& error() const { return error_; }
     /// Errors that are no finite number, or below 0, change nothing.
     void setError(const extract::MergeError& error);
-    /// Shows the error that an index was built with, until one is set; else dropAdopted() brings back what was before.
-    void adoptError(const extract::MergeError& error);
-    void dropAdopted();
+    /// None, in the same measure: an error is of one volume.
+    void clearError();
 
     /// While the handle is held, a coarser error may be used: fewer triangles to draw.
     bool isCoarserWhileMoving() const { return isCoarserWhileMoving_; }
@@ -42,7 +40,6 @@ public:
 
 private:
     extract::MergeError error_{Measure::Distance, 0.0};
-    std::optional<extract::MergeError> beforeAdopted_;
     bool isCoarserWhileMoving_ = false, isMoving_ = false;
     ObserverList<> changed_;
 };

@@ -296,6 +296,7 @@ void PieceWiring::followDataset() {
     change([](model::PieceOptions& pieces) {
         pieces.hiddenPieces() = {};
         pieces.selected.reset();
+        pieces.isColoured = false;
     });
     ask();
 }

@@ -27,24 +27,15 @@ TEST(DetailModel, TellsObserversOfAnErrorThatDiffers) {
     EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Scalar, 0.25}));
 }
 
-TEST(DetailModel, HasTheErrorOfAnIndexUntilAnotherIsSetOrTheIndexIsGone) {
-    const extract::MergeError chosen{Measure::Scalar, 0.5}, built{Measure::Distance, 0.35};
+TEST(DetailModel, ClearsTheErrorAndKeepsItsMeasure) {
     DetailModel detail;
-    detail.dropAdopted();
-    EXPECT_EQ(detail.error().amount, 0.0);
-    detail.setError(chosen);
-    detail.adoptError(built);
-    EXPECT_EQ(detail.error(), built);
-    detail.dropAdopted();
-    EXPECT_EQ(detail.error(), chosen);
-
-    detail.adoptError(built);
-    detail.setError({Measure::Distance, 0.1});
-    detail.dropAdopted();
-    EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Distance, 0.1})) << "it was chosen";
-    detail.adoptError(detail.error());
-    detail.dropAdopted();
-    EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Distance, 0.1}));
+    detail.setError({Measure::Scalar, 0.5});
+    int told = 0;
+    const auto subscription = detail.observe([&] { ++told; });
+    detail.clearError();
+    EXPECT_EQ(detail.error(), (extract::MergeError{Measure::Scalar, 0.0}));
+    detail.clearError();
+    EXPECT_EQ(told, 1);
 }
 
 TEST(DetailModel, UsesACoarserErrorWhileMovingIfThatIsWanted) {
