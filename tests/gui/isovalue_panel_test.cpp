@@ -126,12 +126,30 @@ TEST_F(IsovaluePanelTest, WhatIsNoNumberIsPutBack) {
 TEST_F(IsovaluePanelTest, LettersThatNoNumberHasGoToTheWindow) {
     const bool hadBox = window_->actions().action("view.box")->isChecked();
     trigger("isovalue.edit");
-    QTest::keyClicks(&edit(), QStringLiteral("-7"));
     QTest::keyClick(&edit(), Qt::Key_B);
-    QTest::keyClicks(&edit(), QStringLiteral("e0"));
+    EXPECT_NE(window_->actions().action("view.box")->isChecked(), hadBox);
+    QTest::keyClicks(&edit(), QStringLiteral("-7e0"));
     QTest::keyClick(&edit(), Qt::Key_Return);
     EXPECT_EQ(isovalue().requested(), -7.0);
-    EXPECT_NE(window_->actions().action("view.box")->isChecked(), hadBox);
+    QTest::keyClick(&edit(), Qt::Key_B);
+    EXPECT_EQ(window_->actions().action("view.box")->isChecked(), hadBox) << "the text is not the user's any more";
+}
+
+TEST_F(IsovaluePanelTest, LettersAreTextOnceSomethingWasTyped) {
+    const double before = isovalue().requested();
+    const bool hadBox = window_->actions().action("view.box")->isChecked();
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("6 sigma B"));
+    EXPECT_EQ(edit().text(), QStringLiteral("6 sigma B"));
+    EXPECT_TRUE(session_->surfaces().active()->isVisible);
+    EXPECT_EQ(window_->actions().action("view.box")->isChecked(), hadBox);
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), before);
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("6"));
+    QTest::keyClick(&edit(), Qt::Key_Escape);
+    QTest::keyClick(&edit(), Qt::Key_S);
+    EXPECT_FALSE(session_->surfaces().active()->isVisible) << "what was typed is gone";
 }
 
 TEST_F(IsovaluePanelTest, LettersWithControlAreTheFields) {

@@ -103,8 +103,9 @@ void IsovalueEdit::focusOutEvent(QFocusEvent* event) {
     QLineEdit::focusOutEvent(event);
 }
 
-// Escape puts the value back, whatever it does elsewhere in the window. Letters that no number has do there what they
-// do when the field has not the keyboard.
+// Escape puts the value back, whatever it does elsewhere in the window. Until something is typed, letters that no
+// number has do what they do when the field has not the keyboard; from then on they are text, as after a digit of "6
+// sigma".
 bool IsovalueEdit::event(QEvent* event) {
     if (event->type() == QEvent::ShortcutOverride) {
         const auto* pressed = static_cast<QKeyEvent*>(event);
@@ -112,7 +113,8 @@ bool IsovalueEdit::event(QEvent* event) {
         const bool isLetter = key >= Qt::Key_A && key <= Qt::Key_Z && key != Qt::Key_E;
         if (key == Qt::Key_Escape)
             event->accept();
-        if (isLetter && (pressed->modifiers() & ~Qt::ShiftModifier) == Qt::NoModifier) { // not to copy, nor to undo
+        if (isLetter && !isModified() &&
+            (pressed->modifiers() & ~Qt::ShiftModifier) == Qt::NoModifier) { // not to copy, nor to undo
             event->ignore();
             return true;
         }
