@@ -91,6 +91,32 @@ TEST_F(SurfacesWithPiecesTest, ADoubleClickOnAnotherSurfaceMakesItActiveAndSelec
     EXPECT_EQ(*pieces().selected, piece(2).id);
 }
 
+// A key or a click hides the last surface: the view states why it is empty, and the way back.
+TEST_F(SurfacesWithPiecesTest, TheViewStatesThatAllSurfacesAreHidden) {
+    const auto note = [this] {
+        const auto* label = child<QLabel>("hiddenPiecesNote");
+        return label->isVisible() ? label->text().toStdString() : std::string();
+    };
+    addAt(1.0);
+    EXPECT_EQ(note(), "");
+    QTest::keyClick(window_.get(), Qt::Key_S);
+    EXPECT_EQ(note(), "") << "the other one is seen";
+    activateNext();
+    QTest::keyClick(window_.get(), Qt::Key_S);
+    EXPECT_EQ(note(), "All surfaces are hidden. Show the active one: S");
+    keepPicture(*window_, "all_surfaces_hidden");
+    QTest::keyClick(window_.get(), Qt::Key_S);
+    EXPECT_EQ(note(), "");
+    showOnly(1); // the active one is not seen, and all of its pieces are hidden
+    auto options = view().options();
+    options.pieces.leastSize = 1e6;
+    view().setOptions(options);
+    EXPECT_EQ(note(), "") << "nothing is missed";
+    QTest::keyClick(window_.get(), Qt::Key_S);
+    ASSERT_TRUE(waitUntil([&] { return session_->frame()->pieces != nullptr; }));
+    EXPECT_TRUE(waitUntil([&] { return note().find("All pieces are hidden") == 0; })) << note();
+}
+
 TEST_F(SurfacesWithPiecesTest, AllThatIsShownIsExportedAFileForEach) {
     hide(1);
     const auto ofFirst = piece(0).triangles + piece(2).triangles;

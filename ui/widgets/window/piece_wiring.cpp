@@ -56,6 +56,7 @@ PieceWiring::PieceWiring(model::Session& session, const ActionRegistry& actions,
     datasetSubscription_ = session_.datasetChanged().observe([this] { followDataset(); });
     optionsSubscription_ = host_.viewState().observe([this] { showOptions(); });
     surfacesSubscription_ = session_.surfaces().observe([this] { followSurfaces(); });
+    secondSubscription_ = session_.secondVolume().surfaces().observe([this] { showWhatIsHidden(); });
     inactiveSubscription_ = session_.inactiveChanged().observe([this] {
         findAwaitedOfOthers();
         shortLived_.update();
@@ -219,6 +220,7 @@ void PieceWiring::followSurfaces() {
         if (isOther)
             pieces.selected.reset(); // of another surface
     });
+    showWhatIsHidden();
 }
 
 void PieceWiring::tellSurfaces() {
@@ -275,17 +277,35 @@ void PieceWiring::showOptions() {
     showWhatIsHidden();
 }
 
-void PieceWiring::showWhatIsHidden() {
+QString PieceWiring::whatIsHidden() const {
+    const auto shortcut = [this](const char* action) {
+        return actions_.action(action)->shortcut().toString(QKeySequence::NativeText);
+    };
+    const auto isSeen = [](const model::ListedSurface& surface) { return surface.isVisible; };
+    const auto* active = session_.surfaces().active();
+    if (active == nullptr)
+        return {};
+    if (!active->isVisible) {
+        const auto& first = session_.surfaces().list().surfaces;
+        const auto& second = session_.secondVolume().surfaces().list().surfaces;
+        const bool isAnySeen =
+            std::any_of(first.begin(), first.end(), isSeen) || std::any_of(second.begin(), second.end(), isSeen);
+        if (isAnySeen)
+            return {};
+        return (first.size() + second.size() > 1 ? tr("All surfaces are hidden. Show the active one: %1")
+                                                 : tr("The surface is hidden. Show it: %1"))
+            .arg(shortcut("surfaces.show"));
+    }
     const auto frame = session_.frame();
     const auto& pieces = host_.viewState().options().pieces;
     model::PieceCounts counts;
     if (frame && frame->pieces && pieces.hidesAny())
         counts = model::PieceDisplay(*frame->pieces, frame->geometry, pieces).counts();
-    note_->say(counts.all > 0 && counts.shown == 0
-                   ? tr("All pieces are hidden. Show them: %1")
-                         .arg(actions_.action("pieces.all")->shortcut().toString(QKeySequence::NativeText))
-                   : QString());
+    return counts.all > 0 && counts.shown == 0 ? tr("All pieces are hidden. Show them: %1").arg(shortcut("pieces.all"))
+                                               : QString();
 }
+
+void PieceWiring::showWhatIsHidden() { note_->say(whatIsHidden()); }
 
 // Numbers of pieces are of one volume.
 void PieceWiring::followDataset() {

@@ -79,6 +79,7 @@ private:
     void takeShortLived(model::SurfaceId surface, std::shared_ptr<const model::ShortLivedPieces> found);
     /// Says why nothing is to be seen where everything is hidden.
     void showWhatIsHidden();
+    QString whatIsHidden() const;
     void followDataset();
 
     model::Session& session_;
@@ -96,6 +97,7 @@ private:
     model::Subscription datasetSubscription_;
     model::Subscription optionsSubscription_;
     model::Subscription surfacesSubscription_;
+    model::Subscription secondSubscription_;
     model::Subscription inactiveSubscription_;
 };
 
