@@ -117,6 +117,35 @@ TEST_F(SurfacesWithPiecesTest, TheViewStatesThatAllSurfacesAreHidden) {
     EXPECT_TRUE(waitUntil([&] { return note().find("All pieces are hidden") == 0; })) << note();
 }
 
+TEST_F(SurfacesWithPiecesTest, ARightClickMeansTheActiveOneThoughItIsSeenThrough) {
+    addAt(1.0); // larger cones around the first ones, active
+    surfaces().change(surfaces().list().active, [](model::ListedSurface& outer) {
+        outer.opacity = 0.3;
+        outer.name = "Skin & more";
+    });
+    const auto titleAt = [this](QPoint place) {
+        QTest::mouseClick(&viewport(), Qt::RightButton, {}, place);
+        EXPECT_TRUE(waitUntil([] { return QApplication::activePopupWidget() != nullptr; }));
+        auto* menu = qobject_cast<QMenu*>(QApplication::activePopupWidget());
+        if (menu == nullptr || menu->actions().isEmpty())
+            return std::string();
+        keepPicture(*menu, "view_menu_title");
+        const QAction* title = menu->actions().front();
+        EXPECT_FALSE(title->isEnabled()) << "it is no command";
+        menu->close();
+        return title->text().toStdString();
+    };
+    const auto numbered = [this](std::size_t place) { return std::to_string(piece(place).id.number() + 1); };
+    EXPECT_EQ(titleAt(pixelOf(1)), "Skin && more: piece " + numbered(1));
+    EXPECT_EQ(session_->frame()->isovalue, 1.0) << "the outer one is still active";
+    ASSERT_TRUE(pieces().selected);
+    EXPECT_EQ(*pieces().selected, piece(1).id);
+    EXPECT_EQ(titleAt({4, 4}), "Skin && more") << "no piece is there";
+    activateNext(); // the inner one is seen through the other
+    EXPECT_EQ(titleAt(pixelOf(2)), "Surface 1: piece " + numbered(2));
+    EXPECT_EQ(session_->frame()->isovalue, 1.5);
+}
+
 TEST_F(SurfacesWithPiecesTest, AllThatIsShownIsExportedAFileForEach) {
     hide(1);
     const auto ofFirst = piece(0).triangles + piece(2).triangles;

@@ -123,31 +123,38 @@ void PieceWiring::pick(QPointF point, Purpose purpose) {
     const auto frame = session_.frame();
     const auto line = host_.viewport()->lineOfSight(point);
     pick_.reset();
-    const Met met = frame && line ? activatePicked(*line) : Met::OfSecond;
+    const Met met = frame && line ? activatePicked(*line, purpose) : Met::OfSecond;
     if (met != Met::OfSecond)
         pick_ = Pick{point, purpose, *line, met == Met::Other ? session_.isovalue().requested() : frame->isovalue,
                      met == Met::Other};
     else if (purpose == Purpose::Menu)
-        showMenu(point);
+        showMenu(point, frame && line);
     ask();
     takePick();
 }
 
-// What is met first is what is meant, whichever surface it is of.
-PieceWiring::Met PieceWiring::activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line) {
+// What is met first is what is meant, whichever surface it is of. A menu is about the active one, also where something
+// is seen through it; a double click takes what is seen.
+PieceWiring::Met PieceWiring::activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line, Purpose purpose) {
     const auto drawn = session_.pictureOf(session_.surfaces().list().active); // of whose grid the line is
     if (drawn == nullptr)
         return Met::Active;
     const GridGeometry& volume = session_.dataset()->geometry;
     const model::ViewOptions& view = host_.viewState().options();
-    const auto shown = model::shownSurfaces(session_, view);
+    const auto isActiveOne = [this](const model::ShownSurface& surface) {
+        return !surface.isOfSecond && surface.id == session_.surfaces().list().active;
+    };
+    auto shown = model::shownSurfaces(session_, view);
+    for (model::ShownSurface& surface : shown)
+        if (purpose == Purpose::Menu && isActiveOne(surface))
+            surface.isSeeThrough = false;
     const auto met =
         model::firstShownPlace(shown, view.clipping, volume, model::centredWorldOf(line.first, drawn->geometry, volume),
                                model::centredWorldOf(line.second, drawn->geometry, volume));
     if (!met)
         return Met::Active;
     const model::ShownSurface& surface = shown[met->surface];
-    const bool isActive = !surface.isOfSecond && surface.id == session_.surfaces().list().active;
+    const bool isActive = isActiveOne(surface);
     if (!isActive)
         (surface.isOfSecond ? session_.secondVolume().surfaces() : session_.surfaces()).activate(surface.id);
     return surface.isOfSecond ? Met::OfSecond : isActive ? Met::Active : Met::Other;
@@ -174,7 +181,7 @@ void PieceWiring::takePick() {
     select(piece);
     ask();
     if (pick.purpose == Purpose::Menu)
-        showMenu(pick.point);
+        showMenu(pick.point, false);
 }
 
 // Coarse pictures and those on the way to the session's isovalue have other edges.
@@ -243,11 +250,25 @@ void PieceWiring::select(std::optional<extract::PieceId> piece) {
     change([&](model::PieceOptions& pieces) { pieces.selected = piece; });
 }
 
-void PieceWiring::showMenu(QPointF point) {
+// What the menu is about.
+QString PieceWiring::menuTitle(bool isOfSecond) const {
+    const auto& surfaces = isOfSecond ? session_.secondVolume().surfaces() : session_.surfaces();
+    if (surfaces.active() == nullptr)
+        return {};
+    const QString name = QString::fromStdString(surfaces.active()->name).replace(QLatin1Char('&'), QLatin1String("&&"));
+    if (isOfSecond)
+        return tr("%1, of the second volume").arg(name);
+    const auto& selected = host_.viewState().options().pieces.selected;
+    return selected ? tr("%1: piece %2").arg(name).arg(selected->number() + 1) : name;
+}
+
+void PieceWiring::showMenu(QPointF point, bool isOfSecond) {
     auto* viewport = host_.viewport();
     auto* menu = new QMenu(viewport);
     menu->setAttribute(Qt::WA_DeleteOnClose);
     menu->setObjectName(QStringLiteral("viewMenu"));
+    if (const QString title = menuTitle(isOfSecond); !title.isEmpty())
+        menu->addAction(title)->setEnabled(false);
     const std::vector<std::vector<const char*>> groups{
         {"pieces.hide", "pieces.only", "pieces.hideSmaller", "pieces.largest", "pieces.all"},
         {"pieces.exportSelected", "pieces.exportShown"},
@@ -255,6 +276,8 @@ void PieceWiring::showMenu(QPointF point) {
         {"view.fit", "view.reset"},
         {"edit.undo", "edit.redo"}};
     for (const auto& group : groups) {
+        if (isOfSecond && QLatin1String(group.front()).startsWith(QLatin1String("pieces.h")))
+            continue; // pieces are those of the first
         if (!menu->isEmpty())
             menu->addSeparator();
         for (const char* action : group)

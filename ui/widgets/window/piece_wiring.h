@@ -67,10 +67,11 @@ private:
     /// What a line of sight meets first; nothing counts as the active surface.
     enum class Met { Active, Other, OfSecond };
     /// Makes it the active one of its volume.
-    Met activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line);
+    Met activatePicked(const std::pair<glm::dvec3, glm::dvec3>& line, Purpose purpose);
     void takePick();
     void select(std::optional<extract::PieceId> piece);
-    void showMenu(QPointF point);
+    void showMenu(QPointF point, bool isOfSecond);
+    QString menuTitle(bool isOfSecond) const;
     void showOptions();
     /// The view's options hide the pieces that the active surface hides, and the other way about.
     void followSurfaces();
