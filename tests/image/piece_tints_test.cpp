@@ -4,6 +4,7 @@
 #include <QImage>
 #include <QTest>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "core/extract/live/brick_picture.h"
@@ -126,6 +127,47 @@ TEST_F(PieceTintsTest, EachPieceHasItsColourInRecordsAndInArrays) {
     EXPECT_GE(seen, 4);
     EXPECT_LE(largestDifference(coloured, grab(arraysOf(*frame), pieces(true, 0.0))), 2);
     EXPECT_EQ(largestDifference(plain, grab(frame, {})), 0) << "without colours again";
+}
+
+/// Of colours in linear light, as eyes tell them apart (CIE 1976, white of D65): 2 or so is just seen.
+double differenceOf(const model::PieceTint& a, const model::PieceTint& b) {
+    const auto lab = [](const model::PieceTint& tint) {
+        const double red = tint[0] / 255.0, green = tint[1] / 255.0, blue = tint[2] / 255.0;
+        const auto root = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116.0; };
+        const double x = root((0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.9505),
+                     y = root(0.2126 * red + 0.7152 * green + 0.0722 * blue),
+                     z = root((0.0193 * red + 0.1192 * green + 0.9505 * blue) / 1.089);
+        return glm::dvec3(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z));
+    };
+    return glm::distance(lab(a), lab(b));
+}
+
+TEST(PieceColours, NoneIsLikeThatOfTheSelectedPiece) {
+    constexpr int kSide = 4, kApart = 8, kPoints = kSide * kApart; // more balls than there are colours
+    GridGeometry geometry;
+    geometry.dims = {kPoints, kPoints, kPoints};
+    std::vector<float> values;
+    for (int z = 0; z < kPoints; ++z)
+        for (int y = 0; y < kPoints; ++y)
+            for (int x = 0; x < kPoints; ++x)
+                values.push_back(3.0f - std::hypot(static_cast<float>(x % kApart) - 3.6f,
+                                                   static_cast<float>(y % kApart) - 3.6f,
+                                                   static_cast<float>(z % kApart) - 3.6f));
+    auto engine = preprocess::makeMemoryEngine(
+        std::make_shared<const ScalarGrid>(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values)));
+    ASSERT_THAT(engine, IsOk());
+    ASSERT_THAT(engine.value()->slideTo(0.5), IsOk());
+    SurfaceFrame frame;
+    engine.value()->copyFrame(frame, {.pieces = true});
+    const auto all = frame.pieces->pieces();
+    ASSERT_EQ(all.size(), static_cast<std::size_t>(kSide * kSide * kSide));
+    model::PieceOptions options = pieces(true, 0.0);
+    options.selected = all[0].id;
+    const model::PieceDisplay display(*frame.pieces, geometry, options);
+    const model::PieceTint selected = display.tint(0);
+    for (std::size_t piece = 0; piece < all.size(); ++piece)
+        EXPECT_GT(differenceOf(selected, display.colour(piece)), 50.0)
+            << "colour of piece " << all[piece].id.number() + 1;
 }
 
 TEST_F(PieceTintsTest, SmallPiecesAreNotDrawn) {

@@ -21,7 +21,7 @@ constexpr std::array<Colour, 12> kColours{{{231, 217, 193},
                                            {190, 140, 110},
                                            {229, 127, 98},
                                            {160, 205, 130}}};
-constexpr PieceTint kSelected{255, 140, 2, kTintedPiece}; // amber, in linear light
+constexpr PieceTint kSelected{255, 0, 184, kTintedPiece}; // magenta, in linear light: far from all of them
 // Of every next round through the colours.
 constexpr std::array<double, 3> kShades{1.0, 0.62, 0.82};
 
