@@ -1,5 +1,6 @@
 // Pieces that are picked in the view: selected, hidden, shown alone, measured, exported.
 #include "tests/gui/pieces_fixture.h"
+#include "ui/model/isovalue/number_text.h"
 
 namespace isoslider::test {
 namespace {
@@ -176,6 +177,36 @@ TEST_F(PickTest, ASessionHidesAgainWhatWasHidden) {
     EXPECT_EQ(pieces().only, piece(2).id);
     action("pieces.all")->trigger();
     EXPECT_FALSE(pieces().hidesAny());
+}
+
+TEST_F(PickTest, PanelsStateThatHiddenAndClippedPartsAreCounted) {
+    for (const char* name : {"countsShown", "meshShown"}) {
+        child<QDockWidget>(name[0] == 'c' ? "countsDock" : "meshDock")->raise();
+        auto* label = window_->findChild<QLabel*>(QLatin1String(name));
+        ASSERT_NE(label, nullptr) << name;
+        const auto says = [&](const std::string& text) {
+            const auto shown = [&] { return label->isVisible() ? label->text().toStdString() : std::string(); };
+            EXPECT_TRUE(waitUntil([&] { return shown() == text; }, std::chrono::seconds(5))) << name << ": " << shown();
+        };
+        says("");
+        pick(pixelOf(1));
+        ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+        action("pieces.hide")->trigger();
+        const auto left = piece(0).triangles + piece(2).triangles;
+        says("Shown: 2 of 3 pieces, " + model::groupedText(left) + " triangles");
+        if (name[0] == 'm')
+            keepPicture(*window_, "whole_surface");
+        trigger("clip.plane");
+        says("Hidden pieces and what is clipped are counted too.");
+        action("pieces.all")->trigger();
+        says("What is clipped is counted too.");
+        trigger("clip.plane");
+        says("");
+        trigger("surfaces.show");
+        says("The surface is hidden; it is counted all the same.");
+        trigger("surfaces.show");
+        says("");
+    }
 }
 
 TEST_F(PickTest, WhatIsShownIsExported) {

@@ -7,10 +7,12 @@
 
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
+#include "ui/model/surface/view_state.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/panels/shown_note.h"
 
 namespace isoslider::widgets {
 namespace {
@@ -92,10 +94,12 @@ QString noteOf(const model::TopologyModel& topology) {
 
 } // namespace
 
-CountsPanel::CountsPanel(model::Session& session, QWidget* parent)
+CountsPanel::CountsPanel(model::Session& session, model::ViewState& view, QWidget* parent)
     : QWidget(parent),
       session_(session),
+      view_(view),
       surface_(new FactForm(this)),
+      shown_(new QLabel(this)),
       counts_(new FactForm(this)),
       measures_(new FactForm(this)),
       hint_(new QLabel(this)),
@@ -107,12 +111,16 @@ CountsPanel::CountsPanel(model::Session& session, QWidget* parent)
     counts_->setObjectName(QStringLiteral("surfaceCounts"));
     measures_->setObjectName(QStringLiteral("surfaceMeasures"));
     hint_->setObjectName(QStringLiteral("surfaceHint"));
-    hint_->setWordWrap(true);
-    makeQuiet(hint_);
+    shown_->setObjectName(QStringLiteral("countsShown"));
+    for (QLabel* label : {shown_, hint_}) {
+        label->setWordWrap(true);
+        makeQuiet(label);
+    }
     for (FactForm* form : {surface_, counts_, measures_})
         form->reserveNameWidth(tr("Boundary loops"));
-    rows->addWidget(makeHeading(tr("Surface"), page));
+    rows->addWidget(makeHeading(tr("Whole Surface"), page));
     rows->addWidget(surface_);
+    rows->addWidget(shown_);
     rows->addSpacing(6);
     rows->addWidget(makeHeading(tr("Topology"), page));
     rows->addWidget(hint_);
@@ -123,12 +131,16 @@ CountsPanel::CountsPanel(model::Session& session, QWidget* parent)
     rows->addStretch(1);
     subscriptions_.push_back(session_.datasetChanged().observe([this] { throttle_.trigger(); }));
     subscriptions_.push_back(session_.frameChanged().observe([this] { throttle_.trigger(); }));
+    subscriptions_.push_back(session_.surfaces().observe([this] { throttle_.trigger(); }));
+    subscriptions_.push_back(view_.observe([this] { throttle_.trigger(); }));
     subscriptions_.push_back(session_.topology().changed().observe([this] { throttle_.trigger(); }));
     show();
 }
 
 void CountsPanel::show() {
     surface_->setFacts(surfaceFacts(session_));
+    shown_->setText(shownNote(session_, view_.options()));
+    shown_->setVisible(!shown_->text().isEmpty());
     const auto frame = session_.frame();
     const auto counts = frame ? session_.topology().countsAt(frame->isovalue) : std::nullopt;
     const bool areExact = session_.topology().areCountsExact();

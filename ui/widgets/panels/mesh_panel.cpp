@@ -9,10 +9,12 @@
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/model/surface/axis_names.h"
+#include "ui/model/surface/view_state.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/panels/fact_texts.h"
+#include "ui/widgets/panels/shown_note.h"
 #include "ui/widgets/window/action_registry.h"
 
 namespace isoslider::widgets {
@@ -123,10 +125,12 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::strin
 
 } // namespace
 
-MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
+MeshPanel::MeshPanel(model::Session& session, model::ViewState& view, const ActionRegistry& actions, QWidget* parent)
     : QWidget(parent),
       session_(session),
+      view_(view),
       counts_(new FactForm(this)),
+      shown_(new QLabel(this)),
       state_(new QLabel(this)),
       report_(new FactForm(this)),
       check_(new QPushButton(tr("Check Mesh"), this)),
@@ -146,10 +150,14 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
         form->reserveNameWidth(tr("Degenerate triangles"));
     counts_->setObjectName(QStringLiteral("countsForm"));
     report_->setObjectName(QStringLiteral("certificateForm"));
-    state_->setWordWrap(true);
-    makeQuiet(state_);
-    layout->addWidget(makeHeading(tr("Surface on screen"), page));
+    shown_->setObjectName(QStringLiteral("meshShown"));
+    for (QLabel* label : {shown_, state_}) {
+        label->setWordWrap(true);
+        makeQuiet(label);
+    }
+    layout->addWidget(makeHeading(tr("Whole Surface"), page));
     layout->addWidget(counts_);
+    layout->addWidget(shown_);
     layout->addLayout(buttons);
     layout->addSpacing(6);
     layout->addWidget(makeHeading(tr("Certificate"), page));
@@ -157,6 +165,8 @@ MeshPanel::MeshPanel(model::Session& session, const ActionRegistry& actions, QWi
     layout->addWidget(report_);
     layout->addStretch(1);
     frameSubscription_ = session_.frameChanged().observe([this] { countsThrottle_.trigger(); });
+    surfacesSubscription_ = session_.surfaces().observe([this] { countsThrottle_.trigger(); });
+    viewSubscription_ = view_.observe([this] { countsThrottle_.trigger(); });
     reportSubscription_ = session_.certificateChanged().observe([this] { showReport(); });
     showCounts();
     showReport();
@@ -169,6 +179,8 @@ void MeshPanel::showCounts() {
         {{tr("Isovalue"), frame ? number(frame->isovalue) : none, {}},
          {tr("Active edges"), frame ? countText(*frame, frame->stats.activeEdges) : none, tr("One vertex on each")},
          {tr("Triangles"), frame ? countText(*frame, frame->stats.triangles) : none, {}}});
+    shown_->setText(shownNote(session_, view_.options()));
+    shown_->setVisible(!shown_->text().isEmpty());
     export_->setEnabled(frame != nullptr);
     showReport();
 }

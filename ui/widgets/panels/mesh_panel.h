@@ -10,7 +10,8 @@ class QPushButton;
 
 namespace isoslider::model {
 class Session;
-}
+class ViewState;
+} // namespace isoslider::model
 
 namespace isoslider::widgets {
 
@@ -21,20 +22,25 @@ class FactForm;
 class MeshPanel : public QWidget {
     Q_OBJECT
 public:
-    MeshPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent = nullptr);
+    MeshPanel(model::Session& session, model::ViewState& view, const ActionRegistry& actions,
+              QWidget* parent = nullptr);
 
 private:
     void showCounts();
     void showReport();
 
     model::Session& session_;
+    model::ViewState& view_;
     FactForm* counts_;
+    QLabel* shown_;
     QLabel* state_;
     FactForm* report_;
     QPushButton* check_;
     QPushButton* export_;
     Throttle countsThrottle_;
     model::Subscription frameSubscription_;
+    model::Subscription surfacesSubscription_;
+    model::Subscription viewSubscription_;
     model::Subscription reportSubscription_;
 };
 

@@ -180,9 +180,9 @@ void MainWindow::makeDocks() {
     keeper_->setPlot(isovaluePanel_->plot());
     datasetDock_ = addDock(tr("Dataset"), "datasetDock", new DatasetPanel(session_, *actions_, this));
     isovalueDock_ = addDock(tr("Isovalue"), "isovalueDock", isovaluePanel_);
-    countsDock_ = addDock(tr("Counts"), "countsDock", new CountsPanel(session_, this));
+    countsDock_ = addDock(tr("Counts"), "countsDock", new CountsPanel(session_, host_->viewState(), this));
     levelsDock_ = addDock(tr("Levels"), "levelsDock", new LevelsPanel(session_, this));
-    meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, *actions_, this));
+    meshDock_ = addDock(tr("Mesh"), "meshDock", new MeshPanel(session_, host_->viewState(), *actions_, this));
     topologyPanel_ = new TopologyPanel(session_, *actions_, this);
     topologyDock_ = addDock(tr("Topology"), "topologyDock", topologyPanel_);
     auto* piecesPanel = new PiecesPanel(session_, host_->viewState(), *actions_, this);
