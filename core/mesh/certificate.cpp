@@ -139,6 +139,7 @@ Certificate uncheckedCertificate(const extract::SurfaceMesh& mesh, const Surface
     certificate.resampling = source.resampling;
     certificate.merging = source.merging;
     certificate.isPatientSpace = source.isPatientSpace;
+    certificate.part = source.part;
     certificate.geometry = mesh.geometry;
     certificate.activeEdges = mesh.activeEdgeCount();
     certificate.innerVertices = mesh.positions.size() - mesh.edgeIds.size();
@@ -247,6 +248,8 @@ std::vector<CertificateLine> linesOf(const Certificate& certificate) {
         lines.insert(lines.begin() + 3, {"resampled", printable(certificate.resampling)});
     if (!certificate.merging.empty())
         lines.insert(lines.begin() + 2, {"merged cells", printable(certificate.merging)});
+    if (!certificate.part.empty())
+        lines.insert(lines.begin() + 2, {"part", printable(certificate.part)});
     if (!certificate.isChecked) {
         lines.push_back({"checked", "no"});
         return lines;

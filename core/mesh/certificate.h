@@ -34,6 +34,7 @@ struct SurfaceSource {
     std::string resampling = {}; ///< what resampling lost, in one line; empty: it was not resampled
     std::string merging = {}; ///< how far merged cells may differ, in one line; empty: none are merged
     bool isPatientSpace = false; ///< as io::VolumeInfo::isPatientSpace: places are left, posterior, superior (LPS)
+    std::string part = {}; ///< what of the surface is left out, in one line; empty: nothing
 };
 
 /// For SurfaceSource::merging, of a volume of values from `least` to `greatest`; `side`: of the largest merged cells
@@ -52,6 +53,7 @@ struct Certificate {
     std::string resampling; ///< as SurfaceSource::resampling
     std::string merging; ///< as SurfaceSource::merging
     bool isPatientSpace = false; ///< as SurfaceSource::isPatientSpace
+    std::string part; ///< as SurfaceSource::part
     GridGeometry geometry; ///< lengths are in the world units that its spacing is in
     std::array<Opening, 8> openings{}; ///< by OpenAt
     std::uint64_t sharedLoops =

@@ -1,6 +1,7 @@
 // Pieces that are picked in the view: selected, hidden, shown alone, measured, exported.
 #include "tests/gui/pieces_fixture.h"
 #include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/window/message_bar.h"
 
 namespace isoslider::test {
 namespace {
@@ -207,6 +208,37 @@ TEST_F(PickTest, PanelsStateThatHiddenAndClippedPartsAreCounted) {
         trigger("surfaces.show");
         says("");
     }
+}
+
+TEST_F(PickTest, AnExportOfTheWholeStatesThatHiddenPartsAreInIt) {
+    const auto exportAs = [this](const char* name, const char* file) {
+        dialogs_.answers.push_back(qpath(folder_ / file));
+        action(name)->trigger();
+        EXPECT_TRUE(waitUntil([&] { return std::filesystem::exists(folder_ / file); })) << file;
+        EXPECT_TRUE(waitUntilSettled());
+        return dialogs_.asked.title.toStdString() + '|' + window_->messageBar().text().toStdString();
+    };
+    const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+    const std::string whole = exportAs("mesh.export", "all.obj");
+    EXPECT_TRUE(has(whole, "Export Mesh|")) << whole;
+    EXPECT_FALSE(has(whole, "hidden")) << whole;
+    EXPECT_FALSE(has(readText(folder_ / "all.obj"), "# part:"));
+    pick(pixelOf(1));
+    ASSERT_TRUE(waitUntil([&] { return pieces().selected.has_value(); }));
+    action("pieces.hide")->trigger();
+    const std::string hidden = exportAs("mesh.export", "hidden.obj");
+    EXPECT_TRUE(has(hidden, "Export Whole Surface|")) << hidden;
+    EXPECT_TRUE(has(hidden, "The hidden pieces are in it. Export What Is Shown leaves them out.")) << hidden;
+    trigger("clip.plane");
+    const std::string both = exportAs("mesh.export", "both.obj");
+    EXPECT_TRUE(has(both, "The hidden and clipped parts are in it. Export What Is Shown leaves them out.")) << both;
+    keepPicture(*window_, "whole_surface_exported");
+    EXPECT_FALSE(has(exportAs("pieces.exportShown", "shown.obj"), "are in it"));
+    EXPECT_TRUE(has(readText(folder_ / "shown.obj"),
+                    "# part: 2 of the pieces; the others are left out; what is clipped is left out"));
+    action("pieces.all")->trigger();
+    const std::string clipped = exportAs("mesh.export", "clipped.obj");
+    EXPECT_TRUE(has(clipped, "The clipped parts are in it. Export What Is Shown leaves them out.")) << clipped;
 }
 
 TEST_F(PickTest, WhatIsShownIsExported) {

@@ -45,6 +45,18 @@ private:
     double least_, greatest_;
 };
 
+// For the comments of its mesh.
+std::string textOf(const Session::ExportPart& part) {
+    std::string text;
+    if (part.pieces)
+        text = groupedText(part.pieces->kept.size()) + " of the pieces; the others are left out";
+    if (part.clipping.clipsAnything())
+        text += std::string(text.empty() ? "" : "; ") + "what is clipped is left out";
+    if (part.sides == CropSides::Closed)
+        text += ", closed at the sides of the crop box";
+    return text;
+}
+
 Result<extract::SurfaceMesh> partOf(extract::SurfaceMesh surface, const Session::ExportPart& part,
                                     const JobControl& job) {
     if (part.pieces) {
@@ -413,15 +425,16 @@ Session::TakeMesh Session::takeActive() const {
         [worker = worker_.get(), of = datasetGeneration_](const JobControl& job) { return worker->takeMesh(of, job); };
 }
 
-void Session::exportMesh(const fs::path& path, DatasetGeneration of) {
-    exportSurface(path, of, std::nullopt, takeActive());
+void Session::exportMesh(const fs::path& path, DatasetGeneration of, std::string remark) {
+    exportSurface(path, of, std::nullopt, takeActive(), std::move(remark));
 }
 
 void Session::exportPart(const fs::path& path, DatasetGeneration of, ExportPart part) {
     exportSurface(path, of, std::move(part), takeActive());
 }
 
-void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part, TakeMesh take) {
+void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::optional<ExportPart> part, TakeMesh take,
+                            std::string remark) {
     if (of != datasetGeneration_)
         return fail("The mesh was not exported",
                     makeError(ErrorCode::InvalidArgument, "its volume has been closed or replaced", path.string()));
@@ -442,7 +455,9 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
             if (!surface.isOk())
                 return surface.error();
             bool isChecked = true;
+            mesh::SurfaceSource about = source.of(surface.value());
             if (part) {
+                about.part = textOf(*part);
                 isChecked = !cutsTriangles(surface.value(), part->clipping, part->sides);
                 surface = partOf(std::move(surface).value(), *part, job);
                 if (!surface.isOk())
@@ -450,31 +465,32 @@ void Session::exportSurface(const fs::path& path, DatasetGeneration of, std::opt
             }
             job.report(0.2, "Checking with OpenMesh");
             const JobControl checking = job.part(0.2, 0.7), writing = job.part(0.7, 1.0);
-            auto certificate = isChecked
-                                   ? mesh::certify(surface.value(), source.of(surface.value()), checking)
-                                   : Result(mesh::uncheckedCertificate(surface.value(), source.of(surface.value())));
+            auto certificate = isChecked ? mesh::certify(surface.value(), about, checking)
+                                         : Result(mesh::uncheckedCertificate(surface.value(), about));
             if (!certificate.isOk())
                 return certificate;
             job.report(0.7, "Writing");
             ISO_TRY(mesh::exportMesh(surface.value(), certificate.value(), path, writing));
             return certificate;
         },
-        [this, of, path, isWhole](Result<mesh::Certificate> certificate) {
+        [this, of, path, isWhole, remark = std::move(remark)](Result<mesh::Certificate> certificate) {
             if (certificate.isOk())
-                onExported(path, of, std::move(certificate).value(), isWhole);
+                onExported(path, of, std::move(certificate).value(), isWhole, remark);
             else if (!certificate.isCancelled())
                 fail("The mesh was not exported", certificate.error());
         });
 }
 
-void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate, bool isWhole) {
+void Session::onExported(const fs::path& path, DatasetGeneration of, mesh::Certificate certificate, bool isWhole,
+                         const std::string& remark) {
     const auto faults = mesh::faultsOf(certificate);
     if (certificate.report.triangles == 0) { // an error to look at: nobody wants such a file
         const std::string why = isWhole ? "there is no surface at isovalue " + exactText(certificate.isovalue)
                                         : std::string("nothing of the surface is in the part that was exported");
         post(Notice{Notice::Severity::Error, "The exported mesh is empty", path.string() + ": " + why});
     } else if (faults.empty()) {
-        post(Notice{Notice::Severity::Information, "Mesh exported", path.string()});
+        post(Notice{Notice::Severity::Information, "Mesh exported",
+                    path.string() + (remark.empty() ? "" : '\n' + remark)});
     } else {
         std::string detail = path.string() + ": ";
         for (std::size_t i = 0; i < faults.size(); ++i)

@@ -49,8 +49,8 @@ public:
     void buildIndex();
     void checkMesh();
     /// Writes the surface of the volume `of`, see datasetGeneration(). Once another one has taken its place nothing is
-    /// written, and a notice reports it.
-    void exportMesh(const std::filesystem::path& path, DatasetGeneration of);
+    /// written, and a notice reports it. `remark` is put behind the notice of a success.
+    void exportMesh(const std::filesystem::path& path, DatasetGeneration of, std::string remark = {});
     /// What of the surface is written: all, or what of it is shown.
     struct ExportPart {
         struct Pieces {
@@ -209,9 +209,9 @@ private:
     using TakeMesh = std::function<Result<extract::SurfaceMesh>(const JobControl&)>;
     TakeMesh takeActive() const;
     void exportSurface(const std::filesystem::path& path, DatasetGeneration of, std::optional<ExportPart> part,
-                       TakeMesh take);
+                       TakeMesh take, std::string remark = {});
     void onExported(const std::filesystem::path& path, DatasetGeneration of, mesh::Certificate certificate,
-                    bool isWhole);
+                    bool isWhole, const std::string& remark);
     void fail(const std::string& title, const Error& error);
     SlideWorker::Callbacks workerCallbacks();
 

@@ -53,14 +53,29 @@ void ExportFlow::askWhole() {
     if (session_.dataset() == nullptr || session_.refusesExport())
         return;
     const auto& surfaces = session_.surfaces();
-    const QString title = surfaces.canRemove() && surfaces.active() != nullptr
-                              ? tr("Export Mesh of %1").arg(QString::fromStdString(surfaces.active()->name))
-                              : tr("Export Mesh");
+    const QString remark = whatIsNotShown();
+    const bool isNamed = surfaces.canRemove() && surfaces.active() != nullptr;
+    const QString name = isNamed ? QString::fromStdString(surfaces.active()->name) : QString();
+    const QString title = remark.isEmpty()
+                              ? (isNamed ? tr("Export Mesh of %1").arg(name) : tr("Export Mesh"))
+                              : (isNamed ? tr("Export Whole Surface of %1").arg(name) : tr("Export Whole Surface"));
     parts_.dialogs.askSave(window_, title, suggestedPath(QString()), meshFilters(),
-                           [this, of = session_.datasetGeneration()](const QString& path) {
+                           [this, remark, of = session_.datasetGeneration()](const QString& path) {
                                rememberFolder(path);
-                               session_.exportMesh(toPath(path), of);
+                               session_.exportMesh(toPath(path), of, remark.toStdString());
                            });
+}
+
+// Empty where all is.
+QString ExportFlow::whatIsNotShown() const {
+    const model::ViewOptions& options = parts_.viewState.options();
+    const bool hides = options.pieces.hidesAny(), clips = options.clipping.clipsAnything();
+    if (!hides && !clips)
+        return {};
+    const QString what = hides && clips ? tr("The hidden and clipped parts are in it.")
+                         : hides        ? tr("The hidden pieces are in it.")
+                                        : tr("The clipped parts are in it.");
+    return tr("%1 Export What Is Shown leaves them out.").arg(what);
 }
 
 // A file for each surface. The first has the name that is chosen, the others that of the surface besides.

@@ -44,6 +44,8 @@ private:
     };
 
     void askWhole();
+    /// Of the active surface, as a remark on an export of the whole.
+    QString whatIsNotShown() const;
     void askShown();
     void askSelected();
     void askClosed();
