@@ -5,6 +5,7 @@
 #include <QAction>
 #include <QDockWidget>
 #include <QLabel>
+#include <QLineEdit>
 #include <QPushButton>
 #include <QTest>
 
@@ -120,6 +121,27 @@ TEST_F(FirstSecondsTest, TheFirstSurfaceIsStoppedAndAskedForOnTheCard) {
     EXPECT_FALSE(card->isVisible());
     ASSERT_TRUE(waitUntilSettled());
     EXPECT_TRUE(session_->frame()->isFromIndex);
+}
+
+TEST_F(FirstSecondsTest, EscapeStopsTheFirstSurfaceAndNothingElse) {
+    builder_->holdsEngine = true;
+    window_->openFile(qpath(writeBall(folder_, "ball.mha", 24)));
+    ASSERT_TRUE(waitUntil([&] { return session_->dataset() != nullptr && session_->moveProgress() > 0.0; }));
+    QTest::keyClick(&plot(), Qt::Key_Escape);
+    EXPECT_TRUE(session_->hasStoppedMove());
+    builder_->holdsEngine = false;
+    ASSERT_TRUE(waitUntilSettled());
+    QTest::keyClick(&plot(), Qt::Key_Escape);
+    ASSERT_TRUE(waitUntilSettled());
+    EXPECT_EQ(session_->frame(), nullptr) << "it asks for nothing";
+    QTest::mouseClick(child<QPushButton>("cancelOpening"), Qt::LeftButton);
+    ASSERT_TRUE(waitUntil([&] { return session_->frame() != nullptr; }));
+    auto* edit = child<QLineEdit>("isovalueEdit");
+    trigger("isovalue.edit");
+    const QString text = edit->text();
+    QTest::keyClicks(edit, QStringLiteral("7"));
+    QTest::keyClick(edit, Qt::Key_Escape);
+    EXPECT_EQ(edit->text(), text) << "as it does elsewhere";
 }
 
 TEST_F(FirstSecondsTest, AFresh256CubeIsSlidBeforeItsIndexIsThere) {

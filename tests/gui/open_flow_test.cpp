@@ -184,6 +184,17 @@ TEST_F(FakeReadersTest, OpeningIsCancelledFromTheCard) {
     EXPECT_EQ(session_->frame(), frame);
 }
 
+TEST_F(FakeReadersTest, EscapeCancelsOpening) {
+    contents_.fields.pop_back();
+    isHeld_ = true;
+    drop(folder_.write("first.nc", "x"));
+    ASSERT_TRUE(waitUntil([&] { return child<QPushButton>("cancelOpening")->isVisible(); }));
+    QTest::keyClick(window_.get(), Qt::Key_Escape);
+    ASSERT_TRUE(waitUntil([&] { return !session_->isLoading(); }, std::chrono::seconds(5)));
+    EXPECT_EQ(session_->dataset(), nullptr);
+    EXPECT_FALSE(window_->messageBar().isVisible());
+}
+
 class RawImportTest : public OpenFlowTest {
 protected:
     QDialog* openRaw(const char* name, const std::string& bytes) {

@@ -1,5 +1,7 @@
 #include "ui/widgets/opening/loading_card.h"
 
+#include <QApplication>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QPainter>
 #include <QProgressBar>
@@ -81,8 +83,8 @@ void LoadingCard::showState() {
     bar_->setAccessibleName(state == State::Opening ? tr("Opening") : tr("Extracting"));
     stage_->setVisible(isAtWork);
     button_->setText(isAtWork ? tr("Cancel") : tr("Extract Surface"));
-    button_->setToolTip(state == State::Opening      ? tr("Stop opening; what is open now stays")
-                        : state == State::Extracting ? tr("Stop extracting; the volume stays open")
+    button_->setToolTip(state == State::Opening      ? tr("Stop opening (Esc); what is open now stays")
+                        : state == State::Extracting ? tr("Stop extracting (Esc); the volume stays open")
                                                      : tr("Extract the surface at this isovalue"));
     button_->setEnabled(true);
     if (state == State::Extracting)
@@ -94,6 +96,25 @@ void LoadingCard::showState() {
     showProgress();
     setVisible(state != State::Nothing);
     adjustSize();
+    qApp->removeEventFilter(this);
+    if (isAtWork)
+        qApp->installEventFilter(this);
+}
+
+// A menu or a dialog that is open closes first.
+bool LoadingCard::eventFilter(QObject* watched, QEvent* event) {
+    const bool isPressed = event->type() == QEvent::KeyPress;
+    if (!isPressed && event->type() != QEvent::ShortcutOverride)
+        return QFrame::eventFilter(watched, event);
+    const auto* widget = qobject_cast<const QWidget*>(watched);
+    const auto* key = static_cast<const QKeyEvent*>(event);
+    if (key->key() != Qt::Key_Escape || key->modifiers() != Qt::NoModifier || widget == nullptr ||
+        widget->window() != window() || QApplication::activePopupWidget() != nullptr)
+        return QFrame::eventFilter(watched, event);
+    event->accept(); // it is no shortcut
+    if (isPressed && button_->isEnabled())
+        press();
+    return true;
 }
 
 void LoadingCard::showProgress() {

@@ -28,6 +28,8 @@ public:
 
 protected:
     void paintEvent(QPaintEvent* event) override;
+    /// Of all of the program, while there is something to be stopped: Escape stops it wherever the keyboard is.
+    bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
     enum class State { Nothing, Opening, Extracting, NoSurface };
