@@ -95,6 +95,29 @@ TEST_F(SessionKeeperTest, ShowsAgainWhatWasSaved) {
     EXPECT_FALSE(window_->messageBar().isVisible()) << message();
 }
 
+TEST_F(SessionKeeperTest, ASessionFromAFileIsSavedThereAgain) {
+    openBall();
+    fs::create_directory(folder_ / "kept");
+    const auto path = folder_ / "kept" / "of yesterday.isosession";
+    fs::rename(saveSession(), path);
+    const auto proposed = [this] {
+        dialogs_.answers.push_back(qpath(folder_ / "no such folder" / "s.isosession")); // nothing is saved
+        trigger("file.saveSession");
+        EXPECT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+        window_->messageBar().hide();
+        return dialogs_.asked.place;
+    };
+    openAndWait(writeBall(folder_, "other.mha", 20));
+    EXPECT_EQ(proposed(), qpath(folder_ / "other.isosession"));
+    openAndWait(path);
+    ASSERT_EQ(session_->dataset()->name, "ball.mha");
+    EXPECT_EQ(proposed(), qpath(path));
+    openAndWait(folder_ / "other.mha");
+    EXPECT_EQ(proposed(), qpath(folder_ / "other.isosession")) << "of another volume";
+    const auto saved = saveSession();
+    EXPECT_EQ(proposed(), qpath(saved)) << "it is this file's by now";
+}
+
 TEST_F(SessionKeeperTest, OneIsOpenedFromTheDialogOfVolumesToo) {
     openBall();
     session_->isovalue().request(-7.5);

@@ -114,8 +114,9 @@ void SessionKeeper::askSave() {
         return;
     const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
     const QDir folder = dataset->path.empty() ? QDir::home() : QFileInfo(textOf(dataset->path)).absoluteDir();
-    dialogs_.askSave(window_, tr("Save Session"), folder.filePath(stem + QStringLiteral(".isosession")),
-                     sessionFilters(), [this, saved = capture()](const QString& path) { save(saved, path); });
+    const QString proposed = file_.isEmpty() ? folder.filePath(stem + QStringLiteral(".isosession")) : file_;
+    dialogs_.askSave(window_, tr("Save Session"), proposed, sessionFilters(),
+                     [this, saved = capture()](const QString& path) { save(saved, path); });
 }
 
 void SessionKeeper::save(const model::SavedSession& saved, const QString& path) {
@@ -125,7 +126,9 @@ void SessionKeeper::save(const model::SavedSession& saved, const QString& path) 
             ISO_TRY(model::writeSession(saved, pathOf(path)));
             return true;
         },
-        [this, path](const Result<bool>& written) {
+        [this, path, of = session_.datasetGeneration()](const Result<bool>& written) {
+            if (written.isOk() && of == session_.datasetGeneration())
+                file_ = path;
             if (written.isOk())
                 messageBar_.showNotice({Severity::Information, tr("Session saved").toStdString(),
                                         QDir::toNativeSeparators(path).toStdString()});
@@ -144,12 +147,14 @@ void SessionKeeper::open(const QString& path) {
     if (!read.isOk())
         return session_.post({Severity::Error, tr("The session could not be opened").toStdString(), read.error().line(),
                               read.error().code});
-    restore(read.value().session, std::move(read.value().problems), QFileInfo(path).fileName());
+    restore({std::move(read.value().session), QFileInfo(path).fileName(), QFileInfo(path).absoluteFilePath()},
+            std::move(read.value().problems));
 }
 
-void SessionKeeper::restore(const model::SavedSession& saved, std::vector<std::string> problems, const QString& name) {
+void SessionKeeper::restore(const Restored& restored, std::vector<std::string> problems) {
+    const model::SavedSession& saved = restored.saved;
     if (!saved.volume.empty() && !isPresent(saved.volume))
-        return askWhereVolumeIs(saved, problems, name);
+        return askWhereVolumeIs(restored, problems);
     Q_EMIT opening();
     if (saved.hasVolume()) {
         model::OpenRequest request;
@@ -158,25 +163,26 @@ void SessionKeeper::restore(const model::SavedSession& saved, std::vector<std::s
         request.readOptions = saved.readOptions;
         request.isovalue = saved.isovalue;
         request.asksForChoice = true;
-        pending_ = saved;
+        pending_ = restored;
         session_.open(std::move(request));
     }
-    tellProblems(name, problems);
+    tellProblems(restored.name, problems);
 }
 
-void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std::vector<std::string>& problems,
-                                     const QString& name) {
-    const auto locate = [this, saved, problems, name] {
-        dialogs_.askOpen(window_, tr("Where is %1?").arg(nameOf(saved)), textOf(saved.volume.parent_path()), {},
-                         [this, saved, problems, name](const QString& path) {
-                             auto found = saved;
-                             found.volume = pathOf(path);
-                             restore(found, problems, name);
+void SessionKeeper::askWhereVolumeIs(const Restored& restored, const std::vector<std::string>& problems) {
+    const model::SavedSession& saved = restored.saved;
+    const auto locate = [this, restored, problems] {
+        dialogs_.askOpen(window_, tr("Where is %1?").arg(nameOf(restored.saved)),
+                         textOf(restored.saved.volume.parent_path()), {},
+                         [this, restored, problems](const QString& path) {
+                             auto found = restored;
+                             found.saved.volume = pathOf(path);
+                             restore(found, problems);
                          });
     };
-    const model::Notice notice{Severity::Error, tr("The volume of %1 is not where it was").arg(name).toStdString(),
-                               QDir::toNativeSeparators(textOf(saved.volume)).toStdString() + ": no such file",
-                               ErrorCode::NotFound};
+    const model::Notice notice{
+        Severity::Error, tr("The volume of %1 is not where it was").arg(restored.name).toStdString(),
+        QDir::toNativeSeparators(textOf(saved.volume)).toStdString() + ": no such file", ErrorCode::NotFound};
     session_.post(notice); // for those that watch without a user; the bar shows the offer
     messageBar_.showOffer(notice, {{tr("Locate…"), locate}});
 }
@@ -186,11 +192,15 @@ void SessionKeeper::askWhereVolumeIs(const model::SavedSession& saved, const std
 void SessionKeeper::showView() {
     const bool isNew = session_.dataset() != nullptr &&
                        std::exchange(shownDataset_, session_.datasetGeneration()) != session_.datasetGeneration();
+    if (isNew)
+        file_.clear();
     if (isNew && pending_) {
-        const auto saved = *std::exchange(pending_, std::nullopt);
+        const Restored restored = *std::exchange(pending_, std::nullopt);
+        const model::SavedSession& saved = restored.saved;
         const auto* dataset = session_.dataset();
         if (dataset->path != saved.volume || dataset->sampleName != saved.sampleName)
             return noteChange(); // another volume was opened meanwhile
+        file_ = restored.file;
         session_.isovalue().setReference(saved.reference);
         session_.surfaces().restore(saved.surfaces);
         session_.secondVolume().setState(saved.second);
@@ -294,7 +304,7 @@ void SessionKeeper::offerLost() {
                                 .toStdString()},
                            {{tr("Restore"),
                              [this, saved, forget] {
-                                 restore(saved, {}, tr("the session"));
+                                 restore({saved, tr("the session"), {}}, {});
                                  forget();
                              }},
                             {tr("Discard"), forget}});

@@ -58,9 +58,14 @@ Q_SIGNALS:
 private:
     model::SavedSession capture() const;
     void save(const model::SavedSession& saved, const QString& path);
-    void restore(const model::SavedSession& saved, std::vector<std::string> problems, const QString& name);
-    void askWhereVolumeIs(const model::SavedSession& saved, const std::vector<std::string>& problems,
-                          const QString& name);
+    /// What is restored, and from where.
+    struct Restored {
+        model::SavedSession saved;
+        QString name; ///< in messages
+        QString file; ///< empty: from none that the user has named
+    };
+    void restore(const Restored& restored, std::vector<std::string> problems);
+    void askWhereVolumeIs(const Restored& restored, const std::vector<std::string>& problems);
     void showView();
     void noteChange();
     void autosave();
@@ -76,7 +81,8 @@ private:
     MessageBar& recoveryBar_;
     HistogramPlot* plot_ = nullptr;
     QWidget* window_;
-    std::optional<model::SavedSession> pending_; ///< its view is shown once its volume is
+    std::optional<Restored> pending_; ///< its view is shown once its volume is
+    QString file_; ///< that what is shown was restored from or saved to; empty: none
     std::shared_ptr<model::SessionSlot> slot_;
     std::vector<std::unique_ptr<model::SessionSlot>> lost_; ///< the newest first; the first is on offer
     QTimer timer_;
