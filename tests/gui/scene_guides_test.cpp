@@ -8,6 +8,7 @@
 
 #include <QAction>
 #include <QApplication>
+#include <QFileInfo>
 #include <QToolBar>
 #include <QtTest>
 
@@ -72,7 +73,7 @@ protected:
     /// Of the pixels below a widget of the view.
     int differences(const QImage& a, const QImage& b, const QWidget& widget) {
         EXPECT_EQ(a.size(), b.size());
-        const QRect place(widget.mapTo(&viewport(), QPoint()), widget.size());
+        const QRect place(viewport().mapFromGlobal(widget.mapToGlobal(QPoint())), widget.size());
         const double ratio = static_cast<double>(a.width()) / viewport().width();
         int count = 0;
         for (int y = 0; y < a.height(); ++y)
@@ -372,6 +373,25 @@ TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
     session_->isovalue().request(-100.0); // below all samples: at the least one
     ASSERT_TRUE(waitUntil([this] { return !window_->actions().action("view.fit")->isEnabled(); }))
         << "there is no surface";
+}
+
+TEST_F(SceneGuidesTest, SavedPicturesHaveTheAxesAndNoMarkOfAnEvent) {
+    trigger("view.reset"); // as above
+    if (!isChecked("view.axes"))
+        trigger("view.axes");
+    auto* axes = window_->viewportHost().findChild<widgets::AxesGlyph*>();
+    ASSERT_NE(axes, nullptr);
+    ASSERT_TRUE(axes->isVisible());
+    const QImage with = savedPicture();
+    EXPECT_EQ(QFileInfo(dialogs_.asked.place).fileName(), QStringLiteral("ball.png"));
+    keepPicture(*window_, "axes_on_screen");
+    viewport().setSpot(glm::dvec3(12.0));
+    EXPECT_EQ(savedPicture(), with) << "the ring is for the eye at the screen";
+    viewport().setSpot(std::nullopt);
+    trigger("view.axes");
+    const QImage without = savedPicture();
+    EXPECT_GT(differences(with, without, *axes), 100);
+    EXPECT_EQ(differences(with, without, cube()), 0);
 }
 
 TEST_F(SceneGuidesTest, TicksComeByKeyFollowTheCameraAndAreSavedAndUndone) {

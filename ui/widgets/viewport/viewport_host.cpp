@@ -453,6 +453,10 @@ void ViewportHost::paintAbove(QImage& picture) {
                   static_cast<double>(picture.height()) / std::max(1, viewport_->height()));
     guides_->paint(painter);
     measure_->view().paint(painter);
+    if (axes_->isHidden())
+        return;
+    painter.translate(viewport_->mapFrom(this, axes_->pos()));
+    axes_->paint(painter);
 }
 
 void ViewportHost::resizeEvent(QResizeEvent* event) {

@@ -51,10 +51,11 @@ public:
     ViewportWidget* viewport() { return viewport_; }
     /// Of its camera; null with it.
     CameraFlight* flight() { return flight_; }
-    /// What is in the view, whole and up to date, with the orientation cube, the scale bar and what is measured;
-    /// in pixels of the screen. Null without a view.
+    /// What is in the view, whole and up to date, with the orientation axes and cube, the scale bar and what is
+    /// measured; in pixels of the screen. Null without a view.
     QImage picture();
-    /// The same as a picture that is drawn while the window goes on. `above` belongs over it.
+    /// The same as a picture that is drawn while the window goes on, without the mark of an event. `above` belongs over
+    /// it.
     struct OrderedPicture {
         std::shared_ptr<render::PictureOrder> scene; ///< null without a view
         QImage above;

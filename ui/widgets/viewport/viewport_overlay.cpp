@@ -44,13 +44,17 @@ void AxesGlyph::setOnLight(bool isOnLight) {
 }
 
 void AxesGlyph::paintEvent(QPaintEvent*) {
+    QPainter painter(this);
+    paint(painter);
+}
+
+void AxesGlyph::paint(QPainter& painter) const {
     const QStringList names = letters();
     std::array<Axis, 3> axes{{{names[0], QColor(235, 98, 92), worldToCamera_ * glm::dvec3(1, 0, 0)},
                               {names[1], QColor(126, 200, 92), worldToCamera_ * glm::dvec3(0, 1, 0)},
                               {names[2], QColor(104, 160, 250), worldToCamera_ * glm::dvec3(0, 0, 1)}}};
     // Far ones first, near ones over them.
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.direction.z < b.direction.z; });
-    QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
     const QPointF centre(width() / 2.0, height() / 2.0);
     const double reach = width() * 0.34;

@@ -20,6 +20,8 @@ public:
     QStringList letters() const;
     /// In darker colours.
     void setOnLight(bool isOnLight);
+    /// As it is seen; for pictures that are saved.
+    void paint(QPainter& painter) const;
 
 protected:
     void paintEvent(QPaintEvent* event) override;

@@ -232,7 +232,9 @@ void ViewportWidget::ask(render::PictureUse use) {
 std::shared_ptr<render::PictureOrder> ViewportWidget::orderPicture() {
     if (!hasScene())
         return nullptr;
-    auto order = std::make_shared<render::PictureOrder>(sceneView());
+    render::SceneView view = sceneView();
+    view.spot.reset(); // it points out something to whoever looks at the window
+    auto order = std::make_shared<render::PictureOrder>(std::move(view));
     scene_->order(order);
     return order;
 }

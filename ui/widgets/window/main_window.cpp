@@ -252,9 +252,10 @@ void MainWindow::openFile(const QString& path, std::optional<double> isovalue, c
 }
 
 void MainWindow::askSaveImage() {
-    if (host_->viewport() == nullptr)
+    if (host_->viewport() == nullptr || session_.dataset() == nullptr)
         return;
-    dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(QStringLiteral("isosurface.png")),
+    const QString stem = QFileInfo(QString::fromStdString(session_.dataset()->name)).completeBaseName();
+    dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(stem + QStringLiteral(".png")),
                      tr("PNG image (*.png)"), [this](const QString& path) {
                          if (host_->viewport() != nullptr)
                              saveImage(path);
