@@ -54,6 +54,11 @@ protected:
         QTest::mouseRelease(window_.get(), Qt::LeftButton, {}, end);
         QTest::qWait(30);
     }
+    /// Some of it, or of what is in it.
+    bool isSeen(const QWidget& widget) {
+        const QWidget* there = window_->childAt(widget.mapTo(window_.get(), widget.rect().center()));
+        return !widget.visibleRegion().isEmpty() || (there != nullptr && widget.isAncestorOf(there));
+    }
     int panelWidth() { return child<QDockWidget>("datasetDock")->width(); }
 };
 
@@ -113,6 +118,47 @@ TEST_F(WindowLayoutTest, FullScreenGoesBackToAMaximisedWindow) {
     EXPECT_TRUE(window_->actions().action("view.fullScreen")->isChecked());
     window_->showNormal();
     EXPECT_FALSE(window_->actions().action("view.fullScreen")->isChecked());
+}
+
+// Each stop of the Tab key is seen, and the way comes round, by the tool bar, the view, the histogram and the panels.
+TEST_F(WindowLayoutTest, TabReachesAllThatIsSeenAndComesRound) {
+    openBall();
+    window_->resize(1500, 1000);
+    window_->activateWindow();
+    ASSERT_TRUE(QTest::qWaitForWindowActive(window_.get()));
+    ASSERT_TRUE(waitUntilSettled());
+    QTest::qWait(600); // jobs in the status bar come and go
+    for (const bool isForwards : {true, false}) {
+        trigger("isovalue.edit");
+        QWidget* first = QApplication::focusWidget();
+        ASSERT_EQ(first, child<QWidget>("isovalueEdit"));
+        std::vector<QWidget*> stops;
+        const auto reaches = [&](const QWidget* part) {
+            return std::any_of(stops.begin(), stops.end(),
+                               [part](const QWidget* stop) { return stop == part || part->isAncestorOf(stop); });
+        };
+        for (int press = 0; press < 150; ++press) {
+            QWidget* before = QApplication::focusWidget();
+            QTest::keyClick(window_->windowHandle(), Qt::Key_Tab, isForwards ? Qt::NoModifier : Qt::ShiftModifier);
+            QWidget* now = QApplication::focusWidget();
+            ASSERT_NE(now, nullptr) << press;
+            const std::string name = now->metaObject()->className() + (" " + now->objectName().toStdString());
+            ASSERT_NE(now, before) << "stuck at " << name;
+            EXPECT_TRUE(isSeen(*now)) << name;
+            EXPECT_GE(std::min(now->width(), now->height()), 8) << name;
+            if (now->objectName() == QStringLiteral("viewport") || qobject_cast<QScrollArea*>(now) != nullptr) {
+                const auto* frame = now->findChild<QWidget*>(QStringLiteral("focusFrame"), Qt::FindDirectChildrenOnly);
+                EXPECT_TRUE(frame != nullptr && frame->isVisible()) << name;
+            }
+            if (now == first)
+                break;
+            ASSERT_EQ(std::count(stops.begin(), stops.end(), now), 0) << "a smaller round from " << name;
+            stops.push_back(now);
+        }
+        EXPECT_EQ(QApplication::focusWidget(), first) << "it comes round";
+        for (const char* part : {"mainToolBar", "viewport", "isovalueDock", "datasetDock", "countsDock"})
+            EXPECT_TRUE(reaches(child<QWidget>(part))) << part << (isForwards ? "" : ", backwards");
+    }
 }
 
 TEST_F(WindowLayoutTest, EachLetterOfAMenuIsOneCommand) {

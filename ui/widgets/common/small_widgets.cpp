@@ -22,6 +22,7 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "ui/widgets/common/focus_frame.h"
 #include "ui/widgets/common/text_colour.h"
 
 namespace isoslider::widgets {
@@ -122,6 +123,7 @@ ScrollPage makeScrollPage(QWidget* parent) {
     made.rows = new QVBoxLayout(made.page);
     made.rows->setContentsMargins(10, 8, 10, 8);
     made.area->setWidget(made.page); // which must have its layout by now
+    new FocusFrame(*made.area);
     return made;
 }
 

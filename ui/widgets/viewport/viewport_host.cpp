@@ -14,6 +14,7 @@
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
+#include "ui/widgets/common/focus_frame.h"
 #include "ui/widgets/common/texts.h"
 #include "ui/widgets/opening/loading_card.h"
 #include "ui/widgets/opening/start_page.h"
@@ -116,6 +117,7 @@ ViewportHost::ViewportHost(model::Session& session, SettingsStore& settings, con
         view_ = viewport_ = new ViewportWidget(this, wantedPictureWay());
     else
         view_ = makeFallback();
+    new FocusFrame(*view_);
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(0, 0, 0, 0);
     layout->addWidget(view_);

@@ -47,6 +47,7 @@
 #include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/compact_layout.h"
 #include "ui/widgets/window/crop_wiring.h"
+#include "ui/widgets/window/dock_focus.h"
 #include "ui/widgets/window/job_status.h"
 #include "ui/widgets/window/message_bar.h"
 #include "ui/widgets/window/session_keeper.h"
@@ -172,6 +173,7 @@ QDockWidget* MainWindow::addDock(const QString& title, const char* name, QWidget
     auto* dock = new QDockWidget(title, this);
     dock->setObjectName(QLatin1String(name));
     dock->setWidget(panel);
+    passByWhileCovered(*dock);
     return dock;
 }
 

@@ -3,6 +3,7 @@
 #include <QMenu>
 #include <QMenuBar>
 #include <QToolBar>
+#include <QToolButton>
 
 #include "ui/model/session/session.h"
 #include "ui/widgets/isovalue/histogram_actions.h"
@@ -156,6 +157,8 @@ void MainWindow::makeToolBar() {
     bar->addSeparator();
     for (const char* id : {"view.fit", "view.perspective", "view.changed", "view.box", "view.axes"})
         bar->addAction(actions_->action(id));
+    for (auto* button : bar->findChildren<QToolButton*>())
+        button->setFocusPolicy(Qt::TabFocus);
     panelsMenu_->addSeparator();
     panelsMenu_->addAction(bar->toggleViewAction());
 }
