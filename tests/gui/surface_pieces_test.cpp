@@ -132,17 +132,20 @@ TEST_F(SurfacesWithPiecesTest, ARightClickMeansTheActiveOneThoughItIsSeenThrough
         keepPicture(*menu, "view_menu_title");
         const QAction* title = menu->actions().front();
         EXPECT_FALSE(title->isEnabled()) << "it is no command";
-        menu->close();
-        return title->text().toStdString();
+        const std::string text = title->text().toStdString();
+        menu->close(); // and is deleted
+        return text;
     };
     const auto numbered = [this](std::size_t place) { return std::to_string(piece(place).id.number() + 1); };
-    EXPECT_EQ(titleAt(pixelOf(1)), "Skin && more: piece " + numbered(1));
+    const std::string outer = titleAt(pixelOf(1)); // from then on pieces are known
+    EXPECT_EQ(outer, "Skin && more: piece " + numbered(1));
     EXPECT_EQ(session_->frame()->isovalue, 1.0) << "the outer one is still active";
     ASSERT_TRUE(pieces().selected);
     EXPECT_EQ(*pieces().selected, piece(1).id);
     EXPECT_EQ(titleAt({4, 4}), "Skin && more") << "no piece is there";
     activateNext(); // the inner one is seen through the other
-    EXPECT_EQ(titleAt(pixelOf(2)), "Surface 1: piece " + numbered(2));
+    const std::string inner = titleAt(pixelOf(2));
+    EXPECT_EQ(inner, "Surface 1: piece " + numbered(2));
     EXPECT_EQ(session_->frame()->isovalue, 1.5);
 }
 
