@@ -377,6 +377,7 @@ TEST_F(SceneGuidesTest, FitToSurfaceFillsTheViewWithTheSurface) {
 
 TEST_F(SceneGuidesTest, SavedPicturesHaveTheAxesAndNoMarkOfAnEvent) {
     trigger("view.reset"); // as above
+    trigger("view.cube"); // Qt does not draw its turned letters alike at all times
     if (!isChecked("view.axes"))
         trigger("view.axes");
     auto* axes = window_->viewportHost().findChild<widgets::AxesGlyph*>();
@@ -391,7 +392,7 @@ TEST_F(SceneGuidesTest, SavedPicturesHaveTheAxesAndNoMarkOfAnEvent) {
     trigger("view.axes");
     const QImage without = savedPicture();
     EXPECT_GT(differences(with, without, *axes), 100);
-    EXPECT_EQ(differences(with, without, cube()), 0);
+    EXPECT_EQ(differences(with, without, scaleBar()), 0);
 }
 
 TEST_F(SceneGuidesTest, TicksComeByKeyFollowTheCameraAndAreSavedAndUndone) {

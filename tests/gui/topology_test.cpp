@@ -145,6 +145,17 @@ TEST_F(TopologyTest, ADragSnapsToEventsWhereThatIsWanted) {
     EXPECT_NE(dragNear(4), past);
 }
 
+TEST_F(TopologyTest, CountsThatChangeDoNotStandOnATipInTheStatusBar) {
+    auto* counts = child<widgets::ElidedLabel>("topologyCounts");
+    window_->statusBar()->showMessage(QStringLiteral("Animate the isovalue"));
+    isovalue().request(1.5);
+    ASSERT_TRUE(waitUntil([this] { return !isovalue().isLagging(); }));
+    EXPECT_FALSE(counts->isVisible());
+    window_->statusBar()->clearMessage();
+    EXPECT_TRUE(counts->isVisible());
+    EXPECT_TRUE(counts->text().startsWith(QStringLiteral("3 pieces")));
+}
+
 TEST_F(TopologyTest, TheStatusBarCountsWhatIsDisplayed) {
     auto* counts = child<widgets::ElidedLabel>("topologyCounts");
     ASSERT_TRUE(counts->isVisible());

@@ -32,7 +32,8 @@ TopologyStatus::TopologyStatus(model::Session& session, QMainWindow& window)
 void TopologyStatus::showCounts() {
     const auto& isovalue = session_.isovalue();
     const auto counts = isovalue.hasDisplayed() ? session_.topology().countsAt(isovalue.displayed()) : std::nullopt;
-    counts_->setVisible(counts.has_value());
+    if (window_.statusBar()->currentMessage().isEmpty()) // else it stands in the place of the counts, until it goes
+        counts_->setVisible(counts.has_value());
     counts_->setFullText(
         counts ? QString::fromStdString(model::countsText(*counts, session_.topology().areCountsExact())) : QString());
 }
