@@ -212,9 +212,10 @@ TEST(Certificate, HoldsVerticesOffATie) {
 TEST(Certificate, StatesAreaVolumeAndNudgeInTheUnitOfLength) {
     for (const auto& [unit, name] : {std::pair("", "units"), std::pair("mm", "mm"), std::pair("Å", "angstrom")}) {
         const auto certificate = certify(lonePoint(1.0), {"tie", 0, unit});
+        const std::string inUnit = name; // the lambda may not hold a binding
         const auto endsWith = [&](const char* line, const std::string& words) {
-            return valueOf(certificate, line).ends_with(words + name) ||
-                   valueOf(certificate, line).ends_with(words + name + ")");
+            return valueOf(certificate, line).ends_with(words + inUnit) ||
+                   valueOf(certificate, line).ends_with(words + inUnit + ")");
         };
         EXPECT_TRUE(endsWith("area", " square ")) << valueOf(certificate, "area");
         EXPECT_TRUE(endsWith("enclosed volume", " cubic ")) << valueOf(certificate, "enclosed volume");
