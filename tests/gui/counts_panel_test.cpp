@@ -81,6 +81,7 @@ TEST_F(CountsPanelTest, StatesMeasuresWithTheirUnits) {
     const auto measure = [this](const char* name) {
         return fact("surfaceMeasures", name).replace(QChar(QChar::Nbsp), QLatin1Char(' '));
     };
+    ASSERT_TRUE(waitUntil([&] { return !measure("Area").isEmpty(); })); // once the topology is there
     EXPECT_TRUE(measure("Area").endsWith(QStringLiteral(" units²"))) << measure("Area").toStdString();
     EXPECT_TRUE(measure("Volume above").endsWith(QStringLiteral(" units³")));
     EXPECT_TRUE(measure("Mean gradient").endsWith(QStringLiteral(" per unit")))
