@@ -24,6 +24,12 @@ std::filesystem::path targetOf(const std::filesystem::path& indexPath) {
     return target.isOk() ? target.value() : indexPath;
 }
 
+std::uint64_t checksumOf(std::span<const std::byte> bytes) {
+    ContentHash hash;
+    hash.add(bytes);
+    return hash.value();
+}
+
 } // namespace
 
 std::string checkpointVersion() {
@@ -31,10 +37,28 @@ std::string checkpointVersion() {
            "." + std::to_string(index::kFormatMinor);
 }
 
-std::uint64_t checksumOf(std::span<const std::byte> bytes) {
-    ContentHash hash;
-    hash.add(bytes);
-    return hash.value();
+Status writeChecked(const std::filesystem::path& path, std::string_view magic, const std::vector<std::byte>& body,
+                    FileSystem& fileSystem) {
+    std::vector<std::byte> head;
+    ByteWriter out(head);
+    out.putBytes(std::as_bytes(std::span(magic)));
+    out.put<std::uint64_t>(checksumOf(body));
+    auto file = AtomicFile::create(path, fileSystem);
+    if (!file.isOk())
+        return std::move(file).error();
+    ISO_TRY(file.value()->writeAll(head));
+    ISO_TRY(file.value()->writeAll(body));
+    return file.value()->publish();
+}
+
+std::optional<std::span<const std::byte>> checkedBody(std::span<const std::byte> bytes, std::string_view magic) {
+    ByteReader in(bytes);
+    const auto start = in.getBytes(magic.size());
+    const auto checksum = in.get<std::uint64_t>();
+    if (in.hasFailed() || !std::equal(start.begin(), start.end(), std::as_bytes(std::span(magic)).begin()))
+        return std::nullopt;
+    const auto body = bytes.last(in.remaining());
+    return checksum == checksumOf(body) ? std::optional(body) : std::nullopt;
 }
 
 std::filesystem::path checkpointPath(const std::filesystem::path& indexPath) {
@@ -103,13 +127,10 @@ Result<std::optional<std::vector<std::byte>>> BuildCheckpoints::load() const {
         return read.error().code == ErrorCode::NotFound ? none()
                                                         : Result<std::optional<std::vector<std::byte>>>(read.error());
     const std::vector<std::byte>& bytes = read.value();
-    ByteReader in(bytes);
-    const auto magic = in.getBytes(kMagic.size());
-    const std::uint64_t checksum = in.get<std::uint64_t>();
-    // One that is not whole is none: the build starts again.
-    if (in.hasFailed() || !std::equal(magic.begin(), magic.end(), std::as_bytes(std::span(kMagic)).begin()) ||
-        checksum != checksumOf(std::span(bytes).subspan(bytes.size() - in.remaining())))
+    const auto body = checkedBody(bytes, kMagic);
+    if (!body) // one that is not whole is none: the build starts again
         return none();
+    ByteReader in(*body);
     const auto refuse = [&](const char* what) -> Result<std::optional<std::vector<std::byte>>> {
         if (replacesUnfit_)
             return none();
@@ -144,16 +165,7 @@ Status BuildCheckpoints::save(const std::vector<std::byte>& state, std::uint64_t
     out.putString(identity_.parameters);
     out.put<std::uint64_t>(indexBytes);
     out.putBytes(state);
-    std::vector<std::byte> head;
-    ByteWriter headOut(head);
-    headOut.putBytes(std::as_bytes(std::span(kMagic)));
-    headOut.put<std::uint64_t>(checksumOf(body));
-    auto file = AtomicFile::create(path_, fileSystem_);
-    if (!file.isOk())
-        return std::move(file).error();
-    ISO_TRY(file.value()->writeAll(head));
-    ISO_TRY(file.value()->writeAll(body));
-    ISO_TRY(file.value()->publish());
+    ISO_TRY(writeChecked(path_, kMagic, body, fileSystem_));
     const auto now = std::chrono::steady_clock::now();
     const std::chrono::duration<double> took = now - begin;
     next_ = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/file_system.h"
@@ -62,7 +63,11 @@ private:
 
 /// Of what checkpoints hold: one is read by the version of the program that wrote it.
 std::string checkpointVersion();
-std::uint64_t checksumOf(std::span<const std::byte> bytes);
+/// A file of `body` and its checksum, behind letters that name its kind. Errors: those of AtomicFile.
+Status writeChecked(const std::filesystem::path& path, std::string_view magic, const std::vector<std::byte>& body,
+                    FileSystem& fileSystem);
+/// The body in the bytes of such a file; none unless all of it is as it was written.
+std::optional<std::span<const std::byte>> checkedBody(std::span<const std::byte> bytes, std::string_view magic);
 /// Where the checkpoint of an index is.
 std::filesystem::path checkpointPath(const std::filesystem::path& indexPath);
 /// Whether there is one, of whatever build.

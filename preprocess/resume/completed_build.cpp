@@ -32,11 +32,6 @@ std::optional<std::uint64_t> hashOfEnds(const RandomAccessFile& file, std::uint6
     return hash.value();
 }
 
-bool hasBuiltMagic(ByteReader& in) {
-    const auto magic = in.getBytes(kBuiltMagic.size());
-    return !in.hasFailed() && std::equal(magic.begin(), magic.end(), std::as_bytes(std::span(kBuiltMagic)).begin());
-}
-
 } // namespace
 
 CompletedBuild::CompletedBuild(const std::filesystem::path& indexPath, BuildIdentity identity,
@@ -47,13 +42,12 @@ std::optional<BuildReport> CompletedBuild::find() const {
     const auto bytes = readWholeFile(checkpointPath(index_), kMostBytes, fileSystem_);
     if (!bytes.isOk())
         return std::nullopt;
-    ByteReader in(bytes.value());
-    if (!hasBuiltMagic(in))
+    const auto body = checkedBody(bytes.value(), kBuiltMagic);
+    if (!body)
         return std::nullopt;
-    const auto checksum = in.get<std::uint64_t>();
-    const auto body = std::span(bytes.value()).last(in.remaining());
-    if (in.hasFailed() || checksum != checksumOf(body) || in.getString(kMostTextBytes) != checkpointVersion() ||
-        in.getString(kMostTextBytes) != identity_.input || in.getString(kMostTextBytes) != identity_.parameters)
+    ByteReader in(*body);
+    if (in.getString(kMostTextBytes) != checkpointVersion() || in.getString(kMostTextBytes) != identity_.input ||
+        in.getString(kMostTextBytes) != identity_.parameters)
         return std::nullopt;
     const auto indexBytes = in.get<std::uint64_t>(), ends = in.get<std::uint64_t>();
     BuildReport report;
@@ -78,29 +72,24 @@ void CompletedBuild::note(const BuildReport& report) const {
     DiskForecast forecast = report.forecast;
     StateArchive state;
     state(forecast);
-    std::vector<std::byte> body, head;
-    ByteWriter out(body), headOut(head);
+    std::vector<std::byte> body;
+    ByteWriter out(body);
     out.putString(checkpointVersion());
     out.putString(identity_.input);
     out.putString(identity_.parameters);
     out.put<std::uint64_t>(report.info.indexBytes);
     out.put<std::uint64_t>(*ends);
     out.putBytes(state.bytes());
-    headOut.putBytes(std::as_bytes(std::span(kBuiltMagic)));
-    headOut.put<std::uint64_t>(checksumOf(body));
-    auto file = AtomicFile::create(checkpointPath(index_), fileSystem_);
-    if (file.isOk() && file.value()->writeAll(head).isOk() && file.value()->writeAll(body).isOk())
-        (void)file.value()->publish();
+    (void)writeChecked(checkpointPath(index_), kBuiltMagic, body, fileSystem_);
 }
 
 void forgetCompletedBuild(const std::filesystem::path& indexPath, FileSystem& fileSystem) {
     const std::filesystem::path path = checkpointPath(indexPath);
     const auto file = fileSystem.openForReading(path);
-    std::vector<std::byte> start(kBuiltMagic.size());
-    if (!file.isOk() || !file.value()->readExactlyAt(0, start).isOk())
+    std::string start(kBuiltMagic.size(), '\0');
+    if (!file.isOk() || !file.value()->readExactlyAt(0, std::as_writable_bytes(std::span(start))).isOk())
         return;
-    ByteReader in(start);
-    if (hasBuiltMagic(in)) // else it is the checkpoint of a build that another program has begun since
+    if (start == kBuiltMagic) // else it is the checkpoint of a build that another program has begun since
         (void)fileSystem.removeFile(path);
 }
 
