@@ -81,111 +81,138 @@ int eulerNumberOfHalves(MergedSigns s) {
     return euler;
 }
 
-// The cells for which exactly `number` of the words have their bit set: full adders take three words of one weight to
-// one of it and one of the next.
-template <class Word, std::size_t Count>
-Word areSet(std::array<Word, Count> words, unsigned number) {
-    Word differs{};
-    for (std::size_t count = Count; count > 0; number >>= 1) {
-        std::size_t carries = 0;
-        Word sum = words[0];
-        for (std::size_t i = 1; i < count; i += 2) { // behind the last stands a zero
-            const Word b = words[i], c = i + 1 < count ? words[i + 1] : Word{}, either = b ^ c;
-            words[carries++] = (b & c) | (sum & either);
-            sum ^= either;
+#define ISO_INLINE inline __attribute__((always_inline))
+
+// How many of the words that it is given have their bit set, as a number for each bit: full adders take three words of
+// one weight to one of it and one of the next.
+template <class Word>
+class BitwiseSum {
+public:
+    ISO_INLINE void addEight(const std::array<Word, 8>& w) {
+        const Word twosA = carryOf(ones_, w[0], w[1]), twosB = carryOf(ones_, w[2], w[3]),
+                   foursA = carryOf(twos_, twosA, twosB), twosC = carryOf(ones_, w[4], w[5]),
+                   twosD = carryOf(ones_, w[6], w[7]), foursB = carryOf(twos_, twosC, twosD);
+        Word carry = carryOf(fours_, foursA, foursB);
+        for (Word& bits : higher_) {
+            const Word next = bits & carry;
+            bits ^= carry;
+            carry = next;
         }
-        differs |= number & 1 ? ~sum : sum;
-        count = carries;
     }
-    return number == 0 ? ~differs : Word{};
-}
-
-// Calls visit(first corner, axis u, axis v) for the squares of the given spacing.
-template <class Visit>
-void forEachSquare(std::size_t step, const Visit& visit) {
-    for (std::size_t normal = 0; normal < 3; ++normal) {
-        const std::size_t axisU = (normal + 1) % 3, axisV = (normal + 2) % 3;
-        const auto stride = [](std::size_t axis) { return static_cast<std::size_t>(kStride[axis]); };
-        for (std::size_t i = 0; i < 3; i += step)
-            for (std::size_t j = 0; j + step < 3; j += step)
-                for (std::size_t k = 0; k + step < 3; k += step)
-                    visit(i * stride(normal) + j * stride(axisU) + k * stride(axisV), axisU, axisV);
+    ISO_INLINE Word is(unsigned number) const {
+        Word differs = (number & 1 ? ~ones_ : ones_) | (number & 2 ? ~twos_ : twos_) | (number & 4 ? ~fours_ : fours_);
+        for (std::size_t i = 0; i < higher_.size(); ++i)
+            differs |= number >> (3 + i) & 1 ? ~higher_[i] : higher_[i];
+        return ~differs;
     }
-}
 
-// Of cells without an ambiguous face, by the signs of their corners.
-template <class Word>
-struct Corners {
-    Word isCrossed; ///< they differ
-    Word hasTwoLoops; ///< two opposite corners differ from the six others
+private:
+    static ISO_INLINE Word carryOf(Word& sum, Word a, Word b) {
+        const Word either = sum ^ a, carry = (sum & a) | (either & b);
+        sum = either ^ b;
+        return carry;
+    }
+    Word ones_{}, twos_{}, fours_{};
+    std::array<Word, 4> higher_{}; // up to 127
 };
+
+// Of cells without an ambiguous face: two opposite corners differ from the six others, so all edges at both are
+// crossed. Edges along x by y + 2 z, along y by x + 2 z, along z by x + 2 y.
 template <class Word>
-Corners<Word> lookAtCorners(const std::array<Word, 27>& s, std::size_t first, std::size_t step) {
-    std::array<Word, 4> all, any; // of opposite corners
-    for (std::size_t c = 0; c < 4; ++c) {
-        const auto corner = [&](std::size_t k) {
-            return s[first + step * ((k & 1) + 3 * (k >> 1 & 1) + 9 * (k >> 2))];
-        };
-        all[c] = corner(c) & corner(7 - c);
-        any[c] = corner(c) | corner(7 - c);
-    }
-    const Word any01 = any[0] | any[1], any23 = any[2] | any[3], all01 = all[0] & all[1], all23 = all[2] & all[3];
-    const Word above = (all[0] & ~(any[1] | any23)) | (all[1] & ~(any[0] | any23)) | (all[2] & ~(any01 | any[3])) |
-                       (all[3] & ~(any01 | any[2]));
-    const Word below = (all[1] & all23 & ~any[0]) | (all[0] & all23 & ~any[1]) | (all01 & all[3] & ~any[2]) |
-                       (all01 & all[2] & ~any[3]);
-    return {(any01 | any23) & ~(all01 & all23), above | below};
+ISO_INLINE Word haveTwoLoops(const std::array<Word, 4>& x, const std::array<Word, 4>& y, const std::array<Word, 4>& z) {
+    return (x[0] & y[0] & z[0] & (x[3] & y[3] & z[3])) | (x[0] & y[1] & z[1] & (x[3] & y[2] & z[2])) |
+           (x[1] & y[0] & z[2] & (x[2] & y[3] & z[1])) | (x[1] & y[1] & z[3] & (x[2] & y[2] & z[0]));
 }
 
-// For each bit of a word what keepsTopology() answers.
+// For each bit of a word what keepsTopology() answers. Where the corners of a cell of a grid differ, two neighbouring
+// ones do, so all follows from the edges.
 template <class Word>
-Word keepsTopologyOf(const std::array<Word, 27>& s) {
+ISO_INLINE Word keepsTopologyOf(const std::array<Word, 27>& s) {
+    constexpr std::array<std::size_t, 3> kStrides{1, 3, 9};
+    constexpr unsigned kSegments = 36;
     Word fails{};
     std::array<std::array<Word, 27>, 3> edges; // by axis and lower point: the signs at its ends differ
-    std::array<Word, 54 + 36 + 8> counted; // vertices, loops, and the segments that are not there
-    std::size_t count = 0;
-    constexpr unsigned kSegments = 36;
+    std::array<std::array<Word, 27>, 3> crossed; // squares of the halves, by their normal and first point
+    BitwiseSum<Word> sum; // vertices, loops, and the segments that are not there
+#pragma GCC unroll 3
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto along = static_cast<std::size_t>(kStride[axis]),
-                   u = static_cast<std::size_t>(kStride[(axis + 1) % 3]),
-                   v = static_cast<std::size_t>(kStride[(axis + 2) % 3]);
+        const std::size_t along = kStrides[axis], u = kStrides[(axis + 1) % 3], v = kStrides[(axis + 2) % 3];
+#pragma GCC unroll 3
         for (std::size_t i = 0; i < 3; ++i)
+#pragma GCC unroll 3
             for (std::size_t j = 0; j < 3; ++j) {
                 const std::size_t p = i * u + j * v;
                 const Word first = s[p] ^ s[p + along], second = s[p + along] ^ s[p + 2 * along];
-                edges[axis][p] = counted[count++] = first;
-                edges[axis][p + along] = counted[count++] = second;
+                edges[axis][p] = first;
+                edges[axis][p + along] = second;
                 if (i != 1 && j != 1) // an edge of the cell
                     fails |= first & second;
             }
     }
-    forEachSquare(1, [&](std::size_t p, std::size_t axisU, std::size_t axisV) {
-        const auto u = static_cast<std::size_t>(kStride[axisU]), v = static_cast<std::size_t>(kStride[axisV]);
-        const Word a = edges[axisU][p], b = edges[axisU][p + v], c = edges[axisV][p], d = edges[axisV][p + u];
-        fails |= a & b & c & d; // ambiguous
-        counted[count++] = ~(a | b | c);
-    });
-    forEachSquare(2, [&](std::size_t p, std::size_t axisU, std::size_t axisV) {
-        const auto u = static_cast<std::size_t>(kStride[axisU]), v = static_cast<std::size_t>(kStride[axisV]);
-        const Word a = s[p], b = s[p + 2 * u], c = s[p + 2 * v], d = s[p + 2 * (u + v)];
-        fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
-        // The middle of the face, which differs from those of all its edges.
-        fails |= edges[axisU][p + v] & edges[axisU][p + u + v] & edges[axisV][p + u] & edges[axisV][p + u + v];
-    });
-    const Corners<Word> whole = lookAtCorners(s, 0, 2);
-    fails |= ~whole.isCrossed | whole.hasTwoLoops; // no loop, or two
+#pragma GCC unroll 3
+    for (std::size_t normal = 0; normal < 3; ++normal) {
+        const std::size_t axisU = (normal + 1) % 3, axisV = (normal + 2) % 3, u = kStrides[axisU], v = kStrides[axisV];
+#pragma GCC unroll 3
+        for (std::size_t layer = 0; layer < 3; ++layer) {
+            const std::size_t corner = layer * kStrides[normal];
+            std::array<Word, 4> noSegments;
+#pragma GCC unroll 4
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t p = corner + (k & 1 ? u : 0) + (k & 2 ? v : 0);
+                const Word a = edges[axisU][p], b = edges[axisU][p + v], c = edges[axisV][p], d = edges[axisV][p + u];
+                fails |= a & b & (c & d); // ambiguous
+                crossed[normal][p] = a | b | c;
+                noSegments[k] = ~crossed[normal][p];
+            }
+            sum.addEight({edges[axisU][corner], edges[axisU][corner + u], edges[axisU][corner + v],
+                          edges[axisU][corner + u + v], noSegments[0], noSegments[1], noSegments[2], noSegments[3]});
+            if (layer == 1)
+                continue;
+            // The face of the cell.
+            const Word a = s[corner], b = s[corner + 2 * u], c = s[corner + 2 * v], d = s[corner + 2 * (u + v)];
+            fails |= ~(a ^ d) & ~(b ^ c) & (a ^ b);
+            // Its middle differs from those of all its edges.
+            fails |= edges[axisU][corner + v] & edges[axisU][corner + u + v] & edges[axisV][corner + u] &
+                     edges[axisV][corner + u + v];
+        }
+    }
+    // The edges behind those squares, and the halves.
+    std::array<Word, 32> rest{};
+    std::size_t count = 0;
+#pragma GCC unroll 3
+    for (std::size_t normal = 0; normal < 3; ++normal) {
+        const std::size_t axisU = (normal + 1) % 3, u = kStrides[axisU], v = kStrides[(normal + 2) % 3];
+#pragma GCC unroll 3
+        for (std::size_t layer = 0; layer < 3; ++layer) {
+            const std::size_t p = layer * kStrides[normal] + 2 * v;
+            rest[count++] = edges[axisU][p];
+            rest[count++] = edges[axisU][p + u];
+        }
+    }
+    Word isAnyCrossed{};
+#pragma GCC unroll 8
     for (std::size_t c = 0; c < 8; ++c) {
-        const Corners<Word> half = lookAtCorners(s, (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2), 1);
-        fails |= half.hasTwoLoops;
-        counted[count++] = half.isCrossed;
+        const std::size_t p = kStrides[0] * (c & 1) + kStrides[1] * (c >> 1 & 1) + kStrides[2] * (c >> 2);
+        fails |= haveTwoLoops<Word>({edges[0][p], edges[0][p + 3], edges[0][p + 9], edges[0][p + 12]},
+                                    {edges[1][p], edges[1][p + 1], edges[1][p + 9], edges[1][p + 10]},
+                                    {edges[2][p], edges[2][p + 1], edges[2][p + 3], edges[2][p + 4]});
+        rest[count] = crossed[2][p] | crossed[2][p + 9] | edges[2][p];
+        isAnyCrossed |= rest[count++];
     }
-    Word any{}, all = ~Word{};
-    for (const Word sign : s) {
-        any |= sign;
-        all &= sign;
-    }
-    return (~fails & areSet(counted, kSegments + 1)) | ~any | all;
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < rest.size(); i += 8)
+        sum.addEight(
+            {rest[i], rest[i + 1], rest[i + 2], rest[i + 3], rest[i + 4], rest[i + 5], rest[i + 6], rest[i + 7]});
+    // The cell's edges are crossed where one of its two halves is, for none is twice.
+    const auto whole = [&](std::size_t axis, std::size_t p) {
+        return edges[axis][p] ^ edges[axis][p + kStrides[axis]];
+    };
+    const std::array<Word, 4> x{whole(0, 0), whole(0, 6), whole(0, 18), whole(0, 24)},
+        y{whole(1, 0), whole(1, 2), whole(1, 18), whole(1, 20)}, z{whole(2, 0), whole(2, 2), whole(2, 6), whole(2, 8)};
+    fails |= ~(x[0] | x[1] | x[2] | x[3] | y[0] | y[2] | z[0]) | haveTwoLoops(x, y, z); // no loop, or two
+    return (~fails & sum.is(kSegments + 1)) | ~isAnyCrossed;
 }
+#undef ISO_INLINE
 
 } // namespace
 

@@ -86,7 +86,7 @@ public:
         for (int c = 0; c < 8; ++c)
             signs |= static_cast<std::uint8_t>(leaves_->isAboveAt(cornerOf(c)) << c);
         if (hasFinerNeighbour(signs))
-            followFinestSegments();
+            followFinestSegments(signs);
         else
             takeCellState(signs);
     }
@@ -129,14 +129,19 @@ private:
         triangles_.assign(polygon.triangles.begin(), polygon.triangles.begin() + polygon.triangleCount);
     }
 
-    void followFinestSegments() {
+    void followFinestSegments(std::uint8_t signs) {
         segments_.clear();
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (const bool isUpper : {false, true}) {
-                const Face face(*leaves_, axis, isUpper);
-                const std::int64_t first = isUpper ? leaf_.side() * leaves_->pointStride(axis) : 0;
-                addSegments(face, leaf_.point + first, cellAcross(axis, isUpper), leaf_.level);
-            }
+        for (std::size_t face = 0; face < 6; ++face) {
+            if (!isFaceCrossed(signs, face))
+                continue;
+            const std::size_t axis = face / 2;
+            const bool isUpper = face % 2 == 1;
+            const Face along(*leaves_, axis, isUpper);
+            const unsigned first = isUpper ? 1u << axis : 0, u = 1u << along.axes[0], v = 1u << along.axes[1];
+            const auto isAbove = [signs](unsigned corner) { return (signs >> corner & 1) != 0; };
+            addSegments(along, cornerOf(static_cast<int>(first)), cellAcross(axis, isUpper), leaf_.level,
+                        {isAbove(first), isAbove(first | u), isAbove(first | u | v), isAbove(first | v)});
+        }
         // One loop, see keepsTopology(): brought into its order from the least edge on. There are few.
         std::swap(segments_.front(), *std::min_element(segments_.begin(), segments_.end()));
         corners_.clear();
@@ -167,22 +172,31 @@ private:
         std::array<std::int64_t, 2> pointStride, cellStride;
     };
 
+    /// Signs of a square's corners: the first, along the first axis, along both, along the second.
+    using SquareSigns = std::array<bool, 4>;
+
     // The segments of the finest leaves in a square of a face: its first point, the cell on the other side there, and
-    // its side, 2^level. Their order does not matter.
-    void addSegments(const Face& face, std::int64_t corner, std::int64_t across, int level) {
+    // its side, 2^level. Their order does not matter. An uncrossed square has no crossed parts: keepsTopology().
+    void addSegments(const Face& face, std::int64_t corner, std::int64_t across, int level,
+                     const SquareSigns& isAbove) {
+        const auto [first, second, third, fourth] = isAbove;
+        if (first == second && first == third && first == fourth)
+            return;
         const std::int64_t alongFirst = face.pointStride[0] << level, alongSecond = face.pointStride[1] << level;
-        const std::array<bool, 4> isAbove{leaves_->isAboveAt(corner), leaves_->isAboveAt(corner + alongFirst),
-                                          leaves_->isAboveAt(corner + alongFirst + alongSecond),
-                                          leaves_->isAboveAt(corner + alongSecond)};
-        if (isAbove[0] == isAbove[1] && isAbove[0] == isAbove[2] && isAbove[0] == isAbove[3])
-            return; // nor are its parts crossed: keepsTopology()
         if (const int beside = level > 0 ? leaves_->levelAt(across) : kNoLevel; beside != kNoLevel && beside < level) {
-            const std::int64_t cellsFirst = face.cellStride[0] << (level - 1),
+            const std::int64_t halfFirst = alongFirst / 2, halfSecond = alongSecond / 2,
+                               cellsFirst = face.cellStride[0] << (level - 1),
                                cellsSecond = face.cellStride[1] << (level - 1);
-            addSegments(face, corner, across, level - 1);
-            addSegments(face, corner + alongFirst / 2, across + cellsFirst, level - 1);
-            addSegments(face, corner + alongSecond / 2, across + cellsSecond, level - 1);
-            addSegments(face, corner + alongFirst / 2 + alongSecond / 2, across + cellsFirst + cellsSecond, level - 1);
+            const bool front = leaves_->isAboveAt(corner + halfFirst),
+                       right = leaves_->isAboveAt(corner + alongFirst + halfSecond),
+                       back = leaves_->isAboveAt(corner + halfFirst + alongSecond),
+                       left = leaves_->isAboveAt(corner + halfSecond),
+                       middle = leaves_->isAboveAt(corner + halfFirst + halfSecond);
+            addSegments(face, corner, across, level - 1, {first, front, middle, left});
+            addSegments(face, corner + halfFirst, across + cellsFirst, level - 1, {front, second, right, middle});
+            addSegments(face, corner + halfSecond, across + cellsSecond, level - 1, {left, middle, back, fourth});
+            addSegments(face, corner + halfFirst + halfSecond, across + cellsFirst + cellsSecond, level - 1,
+                        {middle, right, third, back});
             return;
         }
         // Out of what is above, and back in.

@@ -76,8 +76,11 @@ void PolygonTriangulation::make(std::span<const PolygonCorner> corners,
                            cy = hn::Sub(hn::Mul(az, bx), hn::Mul(bz, ax)),
                            cz = hn::Sub(hn::Mul(ax, by), hn::Mul(bx, ay));
                 const auto area = hn::Sqrt(hn::Add(hn::Add(hn::Mul(cx, cx), hn::Mul(cy, cy)), hn::Mul(cz, cz)));
+                const auto sum = hn::Add(parts, area);
+                if (hn::AllFalse(d, hn::Lt(sum, hn::Set(d, least))))
+                    continue;
                 alignas(16) std::array<float, 4> all;
-                hn::Store(hn::Add(parts, area), d, all.data());
+                hn::Store(sum, d, all.data());
                 for (std::size_t lane = 0; lane < lanes; ++lane)
                     if (all[lane] < least) { // the first of several
                         least = all[lane];

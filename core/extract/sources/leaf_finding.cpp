@@ -102,21 +102,25 @@ public:
         for (std::size_t c = 0; c < 8; ++c)
             corners[c] = sampleAt(x0 + (c & 1 ? side : 0), y0 + (c & 2 ? side : 0), z0 + (c & 4 ? side : 0));
         const MergedInterpolant interpolant(corners, side);
+        constexpr int kTogether = 5; // rows that one look at the bits covers
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const int endX = axis == 0 ? side : side + 1, endY = axis == 1 ? side : side + 1,
                       endZ = axis == 2 ? side : side + 1;
             for (int z = 0; z < endZ; ++z)
-                for (int y = 0; y < endY; ++y) {
-                    const ClosedPoint first = closedPoint(x0, y0 + y, z0 + z);
-                    std::uint64_t row = bitsFrom(active_.edges[axis], first) & ((std::uint64_t{1} << endX) - 1);
-                    if (wasWithin && row != 0)
-                        row &= ~(bitsFrom(aboveBefore_, first) ^ bitsFrom(aboveBefore_, first + kPointStride[axis]));
-                    for (; row != 0; row &= row - 1) {
-                        const int x = std::countr_zero(row);
-                        const double a = sampleAt(x0 + x, y0 + y, z0 + z),
-                                     b = sampleAt(x0 + x + (axis == 0), y0 + y + (axis == 1), z0 + z + (axis == 2));
-                        if (!interpolant.keepsWithin(bound_, {x, y, z}, axis, a, b))
-                            return closedEdge(static_cast<int>(axis), first + x).number();
+                for (int fromY = 0; fromY < endY; fromY += kTogether) {
+                    const ClosedPoint first = closedPoint(x0, y0 + fromY, z0 + z);
+                    std::uint64_t rows =
+                        bitsFrom(active_.edges[axis], first) & kRows[static_cast<std::size_t>(endX)] &
+                        ((std::uint64_t{1} << kPointStride[1] * std::min(kTogether, endY - fromY)) - 1);
+                    if (wasWithin && rows != 0)
+                        rows &= ~(bitsFrom(aboveBefore_, first) ^ bitsFrom(aboveBefore_, first + kPointStride[axis]));
+                    for (; rows != 0; rows &= rows - 1) {
+                        const int place = std::countr_zero(rows), y = place / kPointStride[1],
+                                  x = place - kPointStride[1] * y;
+                        const ClosedPoint lower = first + place;
+                        if (!interpolant.keepsWithin(bound_, {x, fromY + y, z}, axis, sampleAt(lower),
+                                                     sampleAt(lower + kPointStride[axis])))
+                            return closedEdge(static_cast<int>(axis), lower).number();
                     }
                 }
         }
@@ -167,6 +171,14 @@ public:
     }
 
 private:
+    // By how many there are, the first points of each of five rows.
+    static constexpr std::array<std::uint64_t, kPointSide + 1> kRows = [] {
+        std::array<std::uint64_t, kPointSide + 1> rows{};
+        for (std::size_t length = 0; length < rows.size(); ++length)
+            for (unsigned y = 0; y < 5; ++y)
+                rows[length] |= ((std::uint64_t{1} << length) - 1) << (kPointStride[1] * y);
+        return rows;
+    }();
     using PairEdges = std::array<std::uint32_t, 3>; ///< by axis, bits x + 3 y + 9 z of the points where they start
     static constexpr PairEdges kLowerPoints{0333333333, 0077077077, 0000777777}; ///< all edges
     static PairEdges activeEdges(std::uint32_t signs) {
