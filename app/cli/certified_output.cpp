@@ -12,8 +12,10 @@ std::string sourceName(const std::string& path) {
 }
 
 mesh::SurfaceSource sourceOf(const index::IndexInfo& info, const std::string& indexPath) {
-    return {info.sourceName.empty() ? sourceName(indexPath) : info.sourceName, info.nanCount, info.lengthUnit,
-            info.resampling};
+    mesh::SurfaceSource source{info.sourceName.empty() ? sourceName(indexPath) : info.sourceName, info.nanCount,
+                               info.lengthUnit, info.resampling};
+    source.isPatientSpace = info.isPatientSpace;
+    return source;
 }
 
 Outcome faultOutcome(const mesh::Certificate& certificate, const std::string& path) {

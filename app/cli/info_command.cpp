@@ -40,6 +40,7 @@ struct Facts {
     std::vector<std::string> notes;
     io::VolumeInfo volume; ///< of a volume: what is known of its resampling
     std::string resampling; ///< of an index: what resampling its volume lost
+    bool isPatientSpace = false; ///< as io::VolumeInfo has it
 };
 
 /// One component or frame of a field that nobody has chosen from.
@@ -61,10 +62,11 @@ Result<Facts> factsOfIndex(const std::string& path) {
     if (!reader.isOk())
         return reader.error();
     const index::IndexInfo& info = reader.value()->info();
-    return Facts{info.geometry,     info.type, {info.min, info.max, info.distinctValues, info.nanCount},
-                 "ISOSLIDER index", "",        "",
-                 info.lengthUnit,   {},        {},
-                 info.resampling};
+    Facts facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index"};
+    facts.lengthUnit = info.lengthUnit;
+    facts.resampling = info.resampling;
+    facts.isPatientSpace = info.isPatientSpace;
+    return facts;
 }
 
 Result<Report> reportOfIndex(const std::string& path) {
@@ -92,8 +94,10 @@ Result<Facts> factsOfVolume(const std::string& path, const io::ReadOptions& opti
     const GridDims& dims = info.geometry.dims;
     if (std::min({dims[0], dims[1], dims[2]}) < 2)
         notes.push_back("has no cells, so no surface: that takes two grid points along each axis");
-    return Facts{info.geometry,   info.type,       found.value(),    info.format, info.fieldName,
-                 info.fieldTitle, info.lengthUnit, std::move(notes), info};
+    Facts facts{info.geometry,   info.type,       found.value(),    info.format, info.fieldName,
+                info.fieldTitle, info.lengthUnit, std::move(notes), info};
+    facts.isPatientSpace = info.isPatientSpace;
+    return facts;
 }
 
 const io::VolumeField* fieldAsked(const io::VolumeContents& contents, const std::string& name) {
@@ -164,7 +168,7 @@ Json jsonOf(const Facts& facts) {
         json["title"] = facts.fieldTitle;
     if (!facts.lengthUnit.empty())
         json["length_unit"] = facts.lengthUnit;
-    if (facts.volume.isPatientSpace)
+    if (facts.isPatientSpace)
         json["coordinates"] = "LPS";
     json["direction"] = {vectorJson(facts.geometry.direction[0]), vectorJson(facts.geometry.direction[1]),
                          vectorJson(facts.geometry.direction[2])};
@@ -240,7 +244,7 @@ std::string textOf(const Facts& facts) {
     const std::string unit = facts.lengthUnit.empty() ? "" : " " + facts.lengthUnit;
     text += fmt::format("spacing          {}{}\n", vectorText(facts.geometry.spacing), unit);
     text += fmt::format("origin           {}{}\n", vectorText(facts.geometry.origin), unit);
-    if (facts.volume.isPatientSpace)
+    if (facts.isPatientSpace)
         text += "coordinates      LPS: x to the left, y to posterior, z to superior\n";
     text += fmt::format("direction        {} | {} | {}\n", vectorText(facts.geometry.direction[0]),
                         vectorText(facts.geometry.direction[1]), vectorText(facts.geometry.direction[2]));

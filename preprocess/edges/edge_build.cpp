@@ -393,6 +393,7 @@ private:
         info_.isMergeErrorInCells = options_.mergeError.measure == extract::MergeBound::Measure::Distance;
         info_.sourceName = options_.sourceName;
         info_.lengthUnit = source_.info().lengthUnit;
+        info_.isPatientSpace = source_.info().isPatientSpace;
         if (const auto& resampled = source_.info().resampling)
             info_.resampling = io::lossText(*resampled, source_.info().geometry.dims);
         info_.levels = std::move(levels);

@@ -425,6 +425,7 @@ private:
         info_.type = source_.info().type;
         info_.sourceName = options_.sourceName;
         info_.lengthUnit = source_.info().lengthUnit;
+        info_.isPatientSpace = source_.info().isPatientSpace;
         if (const auto& resampled = source_.info().resampling)
             info_.resampling = io::lossText(*resampled, source_.info().geometry.dims);
         index::IndexMeta meta;

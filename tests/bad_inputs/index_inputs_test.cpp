@@ -120,8 +120,9 @@ TEST_F(BadIndex, B078_LaterMinorVersionWithMore) {
     for (const auto kind : kKinds) {
         const std::string bytes = bytesOf(kind);
         index::Preamble preamble = index::decodePreamble(std::as_bytes(std::span(bytes)), bytes.size(), "x").value();
-        const std::string noUnitNorLoss(8, '\0'); // what minor 1 and 2 add: a unit of length, and what resampling lost
-        const std::string meta = bytes.substr(preamble.metaOffset) + noUnitNorLoss + "a section of the future";
+        // What minor 1 to 3 add: a unit of length, what resampling lost, and whether places are a patient's.
+        const std::string noneOfThem(4 + 4 + 1, '\0');
+        const std::string meta = bytes.substr(preamble.metaOffset) + noneOfThem + "a section of the future";
         preamble.metaBytes = meta.size();
         preamble.metaChecksum = index::metaChecksum(std::as_bytes(std::span(meta)));
         preamble.fileBytes = preamble.metaOffset + meta.size();

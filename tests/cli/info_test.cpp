@@ -87,6 +87,12 @@ TEST_F(CliInfo, NamesThePatientsDirectionsOfTheWorldsAxes) {
     EXPECT_EQ(runJson({"extract", path("a.nrrd"), "--isovalue", "52"})["coordinates"], "LPS");
     ASSERT_EQ(run({"extract", path("a.nrrd"), "--isovalue", "52", "-o", path("a.ply")}).exitCode, 0);
     EXPECT_THAT(readText(path("a.ply")), HasSubstr("comment coordinates: LPS: x to the left"));
+    for (const char* kind : {"edges", "metacells"}) {
+        SCOPED_TRACE(kind);
+        ASSERT_EQ(run({"build", path("a.nrrd"), "-o", path("a.isx"), "--index", kind}).exitCode, 0);
+        EXPECT_EQ(runJson({"info", path("a.isx")})["coordinates"], "LPS");
+        EXPECT_EQ(runJson({"extract", path("a.isx"), "--isovalue", "52"})["coordinates"], "LPS");
+    }
     EXPECT_FALSE(runJson({"info", sphereVolume()}).contains("coordinates"));
     EXPECT_FALSE(runJson({"extract", sphereVolume(), "--isovalue", "5"}).contains("coordinates"));
 }

@@ -111,7 +111,8 @@ class Index:
         self.error_in_cells, self.error = meta.get("B"), meta.get("d")
         self.unit = meta.text() if self.minor >= 1 else ""
         self.resampling = meta.text() if self.minor >= 2 else ""
-        if meta.at != len(meta.data) and self.minor <= 2:
+        self.is_patient_space = self.minor >= 3 and meta.get("B") == 1
+        if meta.at != len(meta.data) and self.minor <= 3:
             fail("bytes behind meta")
         self.bricks = [(n + 7) // 8 for n in self.dims]
 

@@ -282,6 +282,8 @@ Result<Preamble> decodePreamble(std::span<const std::byte> bytes, std::uint64_t 
 }
 
 std::uint16_t minorOf(const IndexMeta& meta) {
+    if (meta.info.isPatientSpace)
+        return 3;
     return !meta.info.resampling.empty() ? 2 : meta.info.lengthUnit.empty() ? 0 : 1;
 }
 
@@ -316,6 +318,8 @@ std::vector<std::byte> encodeMeta(const IndexMeta& meta) {
         out.putString(info.lengthUnit);
     if (minorOf(meta) >= 2)
         out.putString(oneLine(info.resampling).substr(0, kMaxResamplingBytes));
+    if (minorOf(meta) >= 3)
+        out.put<std::uint8_t>(info.isPatientSpace);
     return bytes;
 }
 
@@ -379,6 +383,12 @@ Result<IndexMeta> decodeMeta(std::span<const std::byte> bytes, const Preamble& p
         info.resampling = in.getString(kMaxResamplingBytes);
     if (oneLine(info.resampling) != info.resampling)
         return corrupt("line on resampling");
+    if (preamble.minor >= 3) {
+        const std::uint8_t places = in.get<std::uint8_t>();
+        if (places > 1)
+            return corrupt("what its places are");
+        info.isPatientSpace = places == 1;
+    }
     // A later minor version may have more to say, which a reader of this one need not know.
     if (in.hasFailed() || (in.remaining() != 0 && preamble.minor <= kFormatMinor))
         return corrupt("length");

@@ -17,7 +17,7 @@ namespace isoslider::index {
 /// FORMAT.md describes the bytes; this header is the one place where code knows them.
 inline constexpr char kIndexMagic[12] = {'I', 'S', 'O', 'S', 'L', 'I', 'D', 'E', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::uint16_t kFormatMajor = 7;
-inline constexpr std::uint16_t kFormatMinor = 2;
+inline constexpr std::uint16_t kFormatMinor = 3;
 /// Up to this version normals stood in the records of pages, those of far ends too.
 inline constexpr int kLastMajorWithNormals = 4;
 /// Up to this version pages of a list of edges stated the keys of far ends.

@@ -50,6 +50,8 @@ struct IndexInfo {
     bool isMergeErrorInCells = false; ///< else % of the value range
     std::string sourceName; ///< file name of the volume, without its folder
     std::string lengthUnit; ///< of spacing and origin (core/grid/length_unit.h); empty: unknown
+    bool isPatientSpace =
+        false; ///< its places are a patient's: left, posterior, superior (LPS). False: not known to be
     std::string resampling; ///< what resampling the volume onto a uniform grid lost, in one line; empty: it was not
     std::vector<SkipLevelInfo> levels;
     Histogram histogram;

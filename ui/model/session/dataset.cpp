@@ -212,7 +212,9 @@ void adoptIndex(Dataset& dataset, const index::IndexInfo& info) {
     dataset.distinctValues = info.distinctValues;
     dataset.missingSamples = info.nanCount;
     dataset.histogram = info.histogram;
-    if (!info.lengthUnit.empty()) // an index of an earlier version does not know it
+    // An index of an earlier version does not know these.
+    dataset.statesPatientSpace = dataset.statesPatientSpace || info.isPatientSpace;
+    if (!info.lengthUnit.empty())
         dataset.lengthUnit = info.lengthUnit;
     dataset.index = info;
 }

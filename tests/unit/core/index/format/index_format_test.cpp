@@ -217,6 +217,35 @@ TEST(IndexMeta, HasWhatResamplingLostFromMinorVersion2On) {
     EXPECT_THAT(decodeMeta(bad, preamble, "p"), HasError(ErrorCode::Corruption)) << "control characters";
 }
 
+TEST(IndexMeta, StatesPlacesOfAPatientFromMinorVersion3On) {
+    IndexMeta meta = someMeta();
+    meta.info.lengthUnit = "mm";
+    meta.info.resampling = "onto 4 x 4 x 4 points";
+    const auto without = encodeMeta(meta);
+    meta.info.isPatientSpace = true;
+    EXPECT_EQ(minorOf(meta), 3);
+    auto with = encodeMeta(meta);
+    EXPECT_TRUE(std::equal(without.begin(), without.end(), with.begin())) << "what an earlier reader knows";
+    Preamble preamble = somePreamble();
+    preamble.minor = 2;
+    EXPECT_FALSE(decodeMeta(without, preamble, "p").value().info.isPatientSpace);
+    preamble.minor = 3;
+    const auto decoded = decodeMeta(with, preamble, "p");
+    ASSERT_THAT(decoded, IsOk());
+    EXPECT_TRUE(decoded.value().info.isPatientSpace);
+    EXPECT_EQ(decoded.value().info.lengthUnit, "mm");
+    EXPECT_THAT(decodeMeta(without, preamble, "p"), HasError(ErrorCode::Corruption)) << "cut off";
+    with.back() = std::byte{0};
+    EXPECT_FALSE(decodeMeta(with, preamble, "p").value().info.isPatientSpace);
+    with.back() = std::byte{2};
+    EXPECT_THAT(decodeMeta(with, preamble, "p"), HasError(ErrorCode::Corruption));
+    meta.info.lengthUnit.clear();
+    meta.info.resampling.clear();
+    const auto alone = decodeMeta(encodeMeta(meta), preamble, "p");
+    ASSERT_THAT(alone, IsOk());
+    EXPECT_TRUE(alone.value().info.isPatientSpace);
+}
+
 TEST(IndexMeta, RefusesFieldsThatCannotBe) {
     const auto refuses = [](const char* what, auto change) {
         IndexMeta meta = someMeta();

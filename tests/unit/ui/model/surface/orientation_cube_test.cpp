@@ -89,6 +89,19 @@ TEST(OrientationCube, DicomAndNiftiWithAnOrientationAndHeadersThatSayNameAPatien
     EXPECT_FALSE(isPatientSpace(dataset));
     dataset.statesPatientSpace = true;
     EXPECT_TRUE(isPatientSpace(dataset));
+    index::IndexInfo earlier;
+    adoptIndex(dataset, earlier);
+    EXPECT_TRUE(isPatientSpace(dataset)) << "an earlier index does not know";
+}
+
+TEST(OrientationCube, AnIndexStatesAPatientsDirections) {
+    Dataset dataset; // opened without the volume
+    index::IndexInfo info;
+    adoptIndex(dataset, info);
+    EXPECT_FALSE(isPatientSpace(dataset));
+    info.isPatientSpace = true;
+    adoptIndex(dataset, info);
+    EXPECT_TRUE(isPatientSpace(dataset));
 }
 
 } // namespace
