@@ -44,9 +44,11 @@ protected:
     /// Moves the line between the view and the panels.
     void dragPanelEdge(int right) {
         auto* dock = child<QDockWidget>("datasetDock");
-        const QPoint edge = dock->mapTo(window_.get(), QPoint(0, 0)) + QPoint(-2, 100);
+        dragLine(dock->mapTo(window_.get(), QPoint(0, 0)) + QPoint(-2, 100), QPoint(right, 0));
+    }
+    void dragLine(const QPoint& edge, const QPoint& way) {
         QTest::mousePress(window_.get(), Qt::LeftButton, {}, edge);
-        const QPoint end = edge + QPoint(right, 0);
+        const QPoint end = edge + way;
         QMouseEvent move(QEvent::MouseMove, end, window_->mapToGlobal(QPointF(end)), Qt::NoButton, Qt::LeftButton,
                          Qt::NoModifier);
         QApplication::sendEvent(window_.get(), &move);
@@ -86,6 +88,33 @@ TEST_F(WindowLayoutTest, PanelsGetTheirWidthBack) {
     window_->restoreLayout();
     resizeTo(1500, 1000);
     EXPECT_NEAR(panelWidth(), wanted, 2) << "as it was saved";
+}
+
+TEST_F(WindowLayoutTest, TheHistogramGetsItsHeightBack) {
+    openBall();
+    auto* dock = child<QDockWidget>("isovalueDock");
+    resizeTo(1500, 1000);
+    const int height = dock->height();
+    ASSERT_GT(height, 200);
+    for (int window = 1000; window >= 500; window -= 100)
+        resizeTo(1300, window);
+    EXPECT_LT(dock->height(), 250) << "the view keeps its share";
+    resizeTo(1500, 1000);
+    EXPECT_EQ(dock->height(), height);
+    resizeTo(500, 400); // panels are put away
+    resizeTo(1500, 1000);
+    EXPECT_EQ(dock->height(), height);
+    dragLine(dock->mapTo(window_.get(), QPoint(200, 0)) + QPoint(0, -2), QPoint(0, -60));
+    const int wanted = dock->height();
+    ASSERT_NEAR(wanted, height + 60, 2);
+    resizeTo(900, 600);
+    resizeTo(1500, 1000);
+    EXPECT_EQ(dock->height(), wanted);
+    window_->close();
+    makeWindow();
+    window_->restoreLayout();
+    resizeTo(1500, 1000);
+    EXPECT_NEAR(child<QDockWidget>("isovalueDock")->height(), wanted, 2) << "as it was saved";
 }
 
 TEST_F(WindowLayoutTest, AWindowThatBeginsSmallHasItsPanelsLater) {

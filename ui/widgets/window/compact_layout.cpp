@@ -1,5 +1,7 @@
 #include "ui/widgets/window/compact_layout.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <QDockWidget>
@@ -14,19 +16,26 @@ namespace {
 constexpr QSize kRoomForPanels(760, 430);
 constexpr int kHistogramHeight = 110;
 constexpr int kLowHistogramHeight = 40;
+constexpr double kMostOfHeight = 0.45; // of the window, that the isovalue's panel gets back
 constexpr int kSettleMs = 50;
 
 } // namespace
 
-CompactLayout::CompactLayout(QMainWindow& window, std::vector<QDockWidget*> sidePanels, QWidget& histogram)
-    : QObject(&window), window_(window), sidePanels_(std::move(sidePanels)), histogram_(histogram) {
+CompactLayout::CompactLayout(QMainWindow& window, std::vector<QDockWidget*> sidePanels, QDockWidget& isovaluePanel,
+                             QWidget& histogram)
+    : QObject(&window),
+      window_(window),
+      sidePanels_(std::move(sidePanels)),
+      isovaluePanel_(isovaluePanel),
+      histogram_(histogram) {
     histogram_.setMinimumHeight(kHistogramHeight);
     window_.installEventFilter(this);
     for (QDockWidget* panel : sidePanels_)
         panel->installEventFilter(this);
+    isovaluePanel_.installEventFilter(this);
     settled_.setSingleShot(true);
     settled_.setInterval(kSettleMs);
-    connect(&settled_, &QTimer::timeout, this, &CompactLayout::restoreWidths);
+    connect(&settled_, &QTimer::timeout, this, &CompactLayout::restoreExtents);
 }
 
 bool CompactLayout::eventFilter(QObject* watched, QEvent* event) {
@@ -41,9 +50,9 @@ bool CompactLayout::eventFilter(QObject* watched, QEvent* event) {
             fit();
             settled_.start();
             break;
-        case QEvent::MouseButtonPress: pressedWidths_ = presentWidths(); break;
+        case QEvent::MouseButtonPress: pressedExtents_ = presentExtents(); break;
         case QEvent::MouseButtonRelease: // of the line beside a panel, it may be, which moves until this is handled
-            QMetaObject::invokeMethod(this, &CompactLayout::noteWidths, Qt::QueuedConnection);
+            QMetaObject::invokeMethod(this, &CompactLayout::noteExtents, Qt::QueuedConnection);
             break;
         case QEvent::Close: showPanels(); break; // so that they are saved as shown
         default: break;
@@ -59,26 +68,38 @@ void CompactLayout::restart() {
     isCompact_ = false;
     fit();
     if (!isCompact_) // of a small window, what its panels were squeezed to was saved
-        widths_.clear();
+        extents_.clear();
 }
 
-void CompactLayout::setWidths(const std::map<QDockWidget*, int>& widths) {
-    widths_ = widths;
-    restoreWidths();
+void CompactLayout::setExtents(const std::map<QDockWidget*, int>& extents) {
+    extents_ = extents;
+    restoreExtents();
 }
 
-std::map<QDockWidget*, int> CompactLayout::presentWidths() const {
-    std::map<QDockWidget*, int> widths;
+std::map<QDockWidget*, int> CompactLayout::presentExtents() const {
+    std::map<QDockWidget*, int> extents;
     for (QDockWidget* panel : sidePanels_)
         if (isBesideView(*panel) && !panel->visibleRegion().isEmpty()) // behind another tab, a panel is not laid out
-            widths[panel] = panel->width();
-    return widths;
+            extents[panel] = panel->width();
+    if (isBelowOrAboveView(isovaluePanel_) && !isovaluePanel_.visibleRegion().isEmpty())
+        extents[&isovaluePanel_] = isovaluePanel_.height();
+    return extents;
 }
 
-void CompactLayout::noteWidths() {
-    auto widths = presentWidths();
-    if (!widths.empty() && widths != pressedWidths_)
-        widths_ = std::move(widths);
+// Only what the mouse has changed: the others may be squeezed. Panels that share an edge change together.
+void CompactLayout::noteExtents() {
+    const auto present = presentExtents();
+    for (const bool isHeight : {false, true}) {
+        const auto isOfThese = [&](const auto& entry) { return (entry.first == &isovaluePanel_) == isHeight; };
+        const bool hasChanged = std::any_of(present.begin(), present.end(), [&](const auto& entry) {
+            const auto pressed = pressedExtents_.find(entry.first);
+            return isOfThese(entry) && pressed != pressedExtents_.end() && pressed->second != entry.second;
+        });
+        if (!hasChanged)
+            continue;
+        std::erase_if(extents_, isOfThese);
+        std::copy_if(present.begin(), present.end(), std::inserter(extents_, extents_.end()), isOfThese);
+    }
 }
 
 bool CompactLayout::isBesideView(QDockWidget& panel) const {
@@ -87,21 +108,31 @@ bool CompactLayout::isBesideView(QDockWidget& panel) const {
            (area == Qt::LeftDockWidgetArea || area == Qt::RightDockWidgetArea);
 }
 
-void CompactLayout::restoreWidths() {
+bool CompactLayout::isBelowOrAboveView(QDockWidget& panel) const {
+    const auto area = window_.dockWidgetArea(&panel);
+    return !panel.isHidden() && !panel.isFloating() &&
+           (area == Qt::BottomDockWidgetArea || area == Qt::TopDockWidgetArea);
+}
+
+void CompactLayout::restoreExtents() {
     if (isCompact_)
         return;
-    if (widths_.empty())
-        widths_ = presentWidths();
+    if (extents_.empty())
+        extents_ = presentExtents();
     QList<QDockWidget*> panels;
     QList<int> widths;
-    for (const auto& [panel, width] : widths_)
-        if (isBesideView(*panel)) {
+    for (const auto& [panel, extent] : extents_) {
+        if (panel == &isovaluePanel_) {
+            const int most = static_cast<int>(kMostOfHeight * window_.height());
+            if (isBelowOrAboveView(*panel))
+                window_.resizeDocks({panel}, {std::min(extent, most)}, Qt::Vertical);
+        } else if (isBesideView(*panel)) {
             panels << panel;
-            widths << width;
+            widths << extent;
         }
-    if (panels.isEmpty())
-        return;
-    window_.resizeDocks(panels, widths, Qt::Horizontal);
+    }
+    if (!panels.isEmpty())
+        window_.resizeDocks(panels, widths, Qt::Horizontal);
     window_.layout()->activate();
 }
 

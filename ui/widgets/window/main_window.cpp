@@ -204,7 +204,7 @@ void MainWindow::makeDocks() {
     compactLayout_ = new CompactLayout(*this,
                                        {datasetDock_, surfacesDock_, colourDock_, clipDock_, countsDock_, topologyDock_,
                                         piecesDock_, meshDock_, levelsDock_, jobsDock_},
-                                       isovaluePanel_->plot());
+                                       *isovalueDock_, isovaluePanel_->plot());
 }
 
 std::vector<QDockWidget*> MainWindow::allDocks() const {
@@ -229,9 +229,9 @@ void MainWindow::resetLayout() {
         dock->show();
     datasetDock_->raise();
     countsDock_->raise();
-    compactLayout_->setWidths({{datasetDock_, kPanelWidth}, {countsDock_, kPanelWidth}});
+    compactLayout_->setExtents(
+        {{datasetDock_, kPanelWidth}, {countsDock_, kPanelWidth}, {isovalueDock_, kHistogramDockHeight}});
     resizeDocks({datasetDock_, countsDock_}, {292, 430}, Qt::Vertical);
-    resizeDocks({isovalueDock_}, {kHistogramDockHeight}, Qt::Vertical);
 }
 
 void MainWindow::restoreLayout() {
