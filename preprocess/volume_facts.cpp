@@ -23,6 +23,7 @@ struct Extremes {
     Sample min = std::numeric_limits<Sample>::max();
     Sample max = std::numeric_limits<Sample>::lowest();
     std::uint64_t finite = 0;
+    SpreadSum sum;
 
     void add(std::span<const Sample> samples) {
         for (const Sample sample : samples) {
@@ -31,6 +32,7 @@ struct Extremes {
             max = isFinite && sample > max ? sample : max;
             finite += isFinite ? 1u : 0u;
         }
+        sum.add(samples);
     }
 };
 
@@ -53,10 +55,13 @@ public:
             all.min = std::min(all.min, part.min);
             all.max = std::max(all.max, part.max);
             all.finite += part.finite;
+            all.sum.merge(part.sum);
         }
         VolumeFacts facts;
         facts.min = all.finite > 0 ? static_cast<double>(all.min) + 0.0 : std::numeric_limits<double>::quiet_NaN();
         facts.max = all.finite > 0 ? static_cast<double>(all.max) + 0.0 : std::numeric_limits<double>::quiet_NaN();
+        if (all.finite > 0)
+            facts.spread = all.sum.spread();
         facts.distinctValues = distinct_.count();
         facts.missingSamples = static_cast<std::uint64_t>(pointCount(dims_)) - all.finite;
         return facts;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/job_control.h"
+#include "core/grid/value_spread.h"
 #include "core/volume_io/sources/volume_source.h"
 
 namespace isoslider::preprocess {
@@ -13,6 +15,7 @@ struct VolumeFacts {
     double max = 0.0;
     std::uint64_t distinctValues = 0;
     std::uint64_t missingSamples = 0; ///< NaN and infinities
+    std::optional<ValueSpread> spread; ///< none where no sample is finite
 };
 
 /// Reads all samples, slab by slab, and once more for each part of the distinct values that does not fit into

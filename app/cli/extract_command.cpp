@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/asked_isovalue.h"
 #include "app/cli/certified_output.h"
 #include "app/cli/command.h"
 #include "app/cli/escaped_name.h"
@@ -56,7 +57,7 @@ std::uint64_t missingSamples(const ScalarGrid& grid, const JobControl& job) {
     });
 }
 
-Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, const LodError& lodError,
+Result<Extracted> surfaceFromIndex(const std::string& path, const AskedIsovalue& isovalue, const LodError& lodError,
                                    const JobControl& job) {
     extract::SlideOptions options; // it moves once
     options.readsAhead = options.buildsLevels = false;
@@ -69,7 +70,10 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
         const extract::MergeBound bound = extract::boundOf(lodError.error, info.min, info.max);
         engine.value()->setMergeBound(bound);
     }
-    const auto move = engine.value()->slideTo(isovalue, job.part(0.0, 0.5));
+    const auto values = valuesOf(std::span(&isovalue, 1), path, job);
+    if (!values.isOk())
+        return values.error();
+    const auto move = engine.value()->slideTo(values.value().front(), job.part(0.0, 0.5));
     if (!move.isOk())
         return move.error();
     extracted.leaves = move.value().activeLeaves;
@@ -85,7 +89,7 @@ Result<Extracted> surfaceFromIndex(const std::string& path, double isovalue, con
     return extracted;
 }
 
-Result<Extracted> surfaceFromVolume(io::VolumeSource& source, const std::string& path, double isovalue,
+Result<Extracted> surfaceFromVolume(io::VolumeSource& source, const std::string& path, const AskedIsovalue& asked,
                                     const LodError& lodError, int maxLevel, const JobControl& job) {
     const JobControl reading = job.part(0.0, 0.5), extracting = job.part(0.5, 1.0);
     const auto grid = io::readVolume(source, path, reading);
@@ -94,6 +98,10 @@ Result<Extracted> surfaceFromVolume(io::VolumeSource& source, const std::string&
     const std::uint64_t missing = missingSamples(*grid.value(), job);
     if (missing == static_cast<std::uint64_t>(pointCount(grid.value()->dims())))
         return makeError(ErrorCode::InvalidArgument, "has no finite sample", path);
+    const auto values = valuesOf(std::span(&asked, 1), *grid.value(), path, job);
+    if (!values.isOk())
+        return values.error();
+    const double isovalue = values.value().front();
     const io::VolumeInfo& info = source.info();
     Extracted extracted{
         {}, {sourceName(path), missing, info.lengthUnit, resamplingText(info), "", info.isPatientSpace}, info, {}, {}};
@@ -188,7 +196,7 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("extract", "The surface at one isovalue, counted and exported");
         addInput(*command, "FILE", path_, "index or volume; - for standard input");
-        addNumber(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
+        addIsovalue(*command, "--isovalue", isovalue_, "isovalue of the surface")->required();
         auto* output = command->add_option("-o,--output", meshPath_,
                                            "mesh to write (ply, obj, stl, off, om); - for standard output");
         requireName(output->type_name("MESH"), "the output");
@@ -291,7 +299,7 @@ private:
     }
 
     std::string path_;
-    std::optional<double> isovalue_;
+    std::optional<AskedIsovalue> isovalue_;
     std::string meshPath_;
     bool skipsCheck_ = false;
     LodError lodError_;

@@ -18,7 +18,7 @@
 #include "app/cli/volume_options_check.h"
 #include "core/base/folders.h"
 #include "core/base/plain_text.h"
-#include "core/index/index_reader.h"
+#include "core/index/index_distribution.h"
 #include "core/volume_io/volume_contents.h"
 #include "preprocess/volume_facts.h"
 
@@ -26,6 +26,7 @@ namespace isoslider::cli {
 namespace {
 
 constexpr std::uint64_t kDistinctBytes = std::uint64_t{512} << 20;
+constexpr std::uint64_t kCountedSamples = 16'000'000; // of an index: within a second
 constexpr std::int64_t kMaxParts = 4096; // components and frames that are read one by one
 
 /// The same facts for a volume and for an index of one.
@@ -57,20 +58,26 @@ struct Report {
     bool isChosen = true; ///< the one part is what other commands take
 };
 
-Result<Facts> factsOfIndex(const std::string& path) {
+Result<Facts> factsOfIndex(const std::string& path, const JobControl& job) {
     const auto reader = index::IndexReader::open(path);
     if (!reader.isOk())
         return reader.error();
     const index::IndexInfo& info = reader.value()->info();
-    Facts facts{info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount}, "ISOSLIDER index"};
+    // What cannot be read is not stated: `validate` is for finding damage.
+    const auto values = index::distributionOf(*reader.value(), kCountedSamples, job);
+    if (values.isCancelled())
+        return cancelledError();
+    const auto spread = values.isOk() ? std::optional(values.value().spread) : std::nullopt;
+    Facts facts{
+        info.geometry, info.type, {info.min, info.max, info.distinctValues, info.nanCount, spread}, "ISOSLIDER index"};
     facts.lengthUnit = info.lengthUnit;
     facts.resampling = info.resampling;
     facts.isPatientSpace = info.isPatientSpace;
     return facts;
 }
 
-Result<Report> reportOfIndex(const std::string& path) {
-    auto facts = factsOfIndex(path);
+Result<Report> reportOfIndex(const std::string& path, const JobControl& job) {
+    auto facts = factsOfIndex(path, job);
     if (!facts.isOk())
         return std::move(facts).error();
     Report report;
@@ -151,6 +158,15 @@ Result<Report> reportOfVolume(const std::string& path, const io::ReadOptions& op
     return report;
 }
 
+void addSpread(const preprocess::VolumeFacts& samples, Json& json) {
+    if (!samples.spread)
+        return;
+    json["mean"] = samples.spread->mean;
+    json["standard_deviation"] = samples.spread->deviation;
+    if (!samples.spread->isExact)
+        json["mean_is_estimated"] = true;
+}
+
 Json jsonOf(const Facts& facts) {
     Json json;
     json["dims"] = facts.geometry.dims;
@@ -159,6 +175,7 @@ Json jsonOf(const Facts& facts) {
     json["scalar_type"] = scalarTypeName(facts.type);
     json["min"] = facts.samples.min;
     json["max"] = facts.samples.max;
+    addSpread(facts.samples, json);
     json["distinct_values"] = facts.samples.distinctValues;
     json["nan_count"] = facts.samples.missingSamples;
     json["format"] = facts.format;
@@ -218,11 +235,14 @@ Json jsonOf(const Report& report) {
                 one["frame"] = *part.frame;
             one["min"] = samples.min;
             one["max"] = samples.max;
+            addSpread(samples, one);
             one["distinct_values"] = samples.distinctValues;
             one["nan_count"] = samples.missingSamples;
             parts.push_back(std::move(one));
         }
-        json["distinct_values"] = nullptr; // of what? Each part has its own
+        for (const char* name : {"mean", "standard_deviation"})
+            json[name] = nullptr; // of what? Each part has its own
+        json["distinct_values"] = nullptr;
         json["nan_count"] = nullptr;
         json["parts"] = std::move(parts);
         json["parts_in_all"] = report.partsInAll;
@@ -255,8 +275,14 @@ std::string textOf(const Facts& facts) {
 }
 
 std::string textOf(const preprocess::VolumeFacts& samples) {
-    return fmt::format("range            {} .. {}\ndistinct values  {}\nmissing samples  {}\n", samples.min,
-                       samples.max, samples.distinctValues, samples.missingSamples);
+    std::string text = fmt::format("range            {} .. {}\n", samples.min, samples.max);
+    if (samples.spread) {
+        const char* about = samples.spread->isExact ? "" : "about ";
+        text += fmt::format("mean             {}{}\nstd. deviation   {}{}\n", about, samples.spread->mean, about,
+                            samples.spread->deviation);
+    }
+    return text +
+           fmt::format("distinct values  {}\nmissing samples  {}\n", samples.distinctValues, samples.missingSamples);
 }
 
 std::string textOf(const io::VolumeContents& contents) {
@@ -316,7 +342,7 @@ public:
         ProgressBar bar(session.showsProgress, session.stop);
         if (kind.value() == InputKind::Volume)
             ISO_CLI_TRY(checkResampling(volume_.readOptions(), path_, bar.job()));
-        auto report = kind.value() == InputKind::Index ? reportOfIndex(path_)
+        auto report = kind.value() == InputKind::Index ? reportOfIndex(path_, bar.job())
                                                        : reportOfVolume(path_, volume_.readOptions(), bar.job());
         bar.wipe();
         if (!report.isOk())

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/asked_isovalue.h"
 #include "app/cli/certified_output.h"
 #include "app/cli/command.h"
 #include "app/cli/export_pattern.h"
@@ -23,14 +24,10 @@ namespace {
 
 constexpr std::int64_t kMaxSteps = 10'000'000;
 
-std::vector<double> isovaluesOrThrow(const std::string& text) {
-    std::vector<double> isovalues;
-    for (const auto part : splitAt(text, ',')) {
-        const auto isovalue = parseFinite(part);
-        if (!isovalue)
-            throw CLI::ValidationError("--path", fmt::format("'{}' is not a finite number", part));
-        isovalues.push_back(*isovalue);
-    }
+std::vector<AskedIsovalue> isovaluesOrThrow(const std::string& text) {
+    std::vector<AskedIsovalue> isovalues;
+    for (const auto part : splitAt(text, ','))
+        isovalues.push_back(isovalueOrThrow("--path", part));
     return isovalues;
 }
 
@@ -75,14 +72,14 @@ public:
     CLI::App* declare(CLI::App& program) override {
         auto* command = program.add_subcommand("slide", "Slide through isovalues, one record per step");
         addInput(*command, "INDEX", indexPath_, "index to slide through");
-        auto* from = addNumber(*command, "--from", from_, "first isovalue");
-        auto* to = addNumber(*command, "--to", to_, "last isovalue")->needs(from);
+        auto* from = addIsovalue(*command, "--from", askedFrom_, "first isovalue");
+        auto* to = addIsovalue(*command, "--to", askedTo_, "last isovalue")->needs(from);
         auto* steps = addInteger(*command, "--steps", steps_, 1, kMaxSteps,
                                  "even steps between them; step 0 builds the first surface");
         from->needs(to)->needs(steps);
         steps->needs(from);
         auto* path = command->add_option_function<std::string>(
-            "--path", [this](const std::string& text) { path_ = isovaluesOrThrow(text); },
+            "--path", [this](const std::string& text) { askedPath_ = isovaluesOrThrow(text); },
             "isovalues to visit in turn");
         path->type_name("V1,V2,...")->excludes(from)->excludes(to)->excludes(steps);
         command
@@ -95,7 +92,7 @@ public:
     }
 
     Outcome run(Session& session) override {
-        if (path_.empty() && !from_)
+        if (askedPath_.empty() && !askedFrom_)
             return Outcome::wrongUsage("slide needs --from, --to and --steps, or --path");
         if (indexPath_ == "-")
             return Outcome::wrongUsage(
@@ -113,6 +110,8 @@ public:
             engine.value()->setMergeBound(bound);
         }
         const std::chrono::duration<double, std::milli> openTime = std::chrono::steady_clock::now() - begin;
+        if (const Status found = findIsovalues(session); !found.isOk())
+            return found.error();
         ISO_CLI_TRY(slide(*engine.value(), session));
         if (session.isJson)
             writeJson(session.output, openTime.count());
@@ -120,7 +119,19 @@ public:
     }
 
 private:
-    std::size_t stepCount() const { return path_.empty() ? static_cast<std::size_t>(steps_) + 1 : path_.size(); }
+    std::size_t stepCount() const {
+        return askedPath_.empty() ? static_cast<std::size_t>(steps_) + 1 : askedPath_.size();
+    }
+
+    Status findIsovalues(const Session& session) {
+        const bool isPath = !askedPath_.empty();
+        const auto asked = isPath ? askedPath_ : std::vector<AskedIsovalue>{*askedFrom_, *askedTo_};
+        auto found = valuesOf(asked, indexPath_, {session.stop, {}});
+        if (!found.isOk())
+            return std::move(found).error();
+        values_ = std::move(found).value();
+        return {};
+    }
 
     // The first one is tried; of the others none may be the index.
     Outcome checkExports() const {
@@ -133,11 +144,11 @@ private:
     }
 
     double isovalueOf(std::size_t step) const {
-        if (!path_.empty())
-            return path_[step];
+        if (!askedPath_.empty())
+            return values_[step];
         const double part = static_cast<double>(step) / static_cast<double>(steps_);
         // Both ends exactly, and no overflow between the largest numbers.
-        return *from_ * (1.0 - part) + *to_ * part;
+        return values_[0] * (1.0 - part) + values_[1] * part;
     }
 
     Outcome slide(extract::SlideEngine& engine, Session& session) {
@@ -199,10 +210,11 @@ private:
     }
 
     std::string indexPath_;
-    std::optional<double> from_;
-    std::optional<double> to_;
+    std::optional<AskedIsovalue> askedFrom_;
+    std::optional<AskedIsovalue> askedTo_;
     std::int64_t steps_ = 0;
-    std::vector<double> path_;
+    std::vector<AskedIsovalue> askedPath_;
+    std::vector<double> values_; ///< of the path, or of both ends
     std::optional<ExportPattern> pattern_;
     LodError lodError_;
     std::string stepsJson_;

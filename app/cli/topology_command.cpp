@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/asked_isovalue.h"
 #include "app/cli/command.h"
 #include "app/cli/input_kind.h"
-#include "app/cli/number_parsing.h"
 #include "app/cli/options.h"
 #include "app/cli/progress_bar.h"
 #include "app/cli/standard_input.h"
@@ -81,7 +81,7 @@ public:
             "topology", "Isovalues at which pieces, tunnels and boundary loops change, and what surfaces measure");
         addInput(*command, "FILE", path_, "volume, or index; - for a volume from standard input");
         std::vector<CLI::Option*> questions;
-        questions.push_back(addNumber(*command, "--at", at_, "counts and measures at one isovalue"));
+        questions.push_back(addIsovalue(*command, "--at", askedAt_, "counts and measures at one isovalue"));
         questions.push_back(addInteger(*command, "--events", events_, 0, kMostEvents,
                                        "the N most notable events, ascending; 0: all of them"));
         hasEvents_ = questions.back();
@@ -147,20 +147,31 @@ private:
 
     void setEnds(const std::vector<std::string>& ends) {
         for (const std::string& end : ends) {
-            const auto value = parseFinite(end);
-            if (!value)
-                throw CLI::ValidationError("--between", fmt::format("'{}' is not a number", end));
-            between_.push_back(*value);
+            askedBetween_.push_back(isovalueOrThrow("--between", end));
         }
-        if (!(between_[0] <= between_[1]))
+        if (askedBetween_[0].isInDeviations != askedBetween_[1].isInDeviations)
+            throw CLI::ValidationError("--between", "give both ends as values, or both in standard deviations");
+        if (!(askedBetween_[0].number <= askedBetween_[1].number))
             throw CLI::ValidationError("--between", "the lesser isovalue comes first");
     }
 
+    Status takeIsovalues(Result<std::vector<double>> values) {
+        if (!values.isOk())
+            return std::move(values).error();
+        if (askedAt_)
+            at_ = values.value().front();
+        else
+            between_ = std::move(values).value();
+        return {};
+    }
+
     // Of an index what was stored in it; else analysed now, and for the next time stored where that can be.
-    Result<Summary> find(InputKind kind, const JobControl& job) const {
+    Result<Summary> find(InputKind kind, const JobControl& job) {
+        const auto asked = askedAt_ ? std::vector<AskedIsovalue>{*askedAt_} : askedBetween_;
         topology::AnalysisOptions options;
         options.memoryBytes = usableMemoryBytes() / 2;
         if (kind == InputKind::Index) {
+            ISO_TRY(takeIsovalues(valuesOf(asked, path_, job)));
             auto found = topology::topologyOfIndex(path_, options, job);
             if (!found.isOk())
                 return std::move(found).error();
@@ -176,6 +187,7 @@ private:
         const auto grid = io::readVolume(path_, volume_.readOptions(), reading);
         if (!grid.isOk())
             return grid.error();
+        ISO_TRY(takeIsovalues(valuesOf(asked, *grid.value(), path_, job)));
         options.measures = topology::planMeasures(*grid.value());
         auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), options, analysing);
         if (!curve.isOk())
@@ -405,10 +417,12 @@ private:
 
     std::string path_;
     StandardInput standardInput_;
+    std::optional<AskedIsovalue> askedAt_;
     std::optional<double> at_, area_, enclosed_;
     std::int64_t events_ = 0, pieces_ = 0, tunnels_ = 0;
     const CLI::Option *hasEvents_ = nullptr, *hasPieces_ = nullptr, *hasTunnels_ = nullptr;
     bool showsCurves_ = false, suggests_ = false;
+    std::vector<AskedIsovalue> askedBetween_;
     std::vector<double> between_;
     VolumeOptions volume_;
 };

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <string_view>
 
 #include <QCommandLineParser>
 #include <QRegularExpression>
@@ -37,6 +39,15 @@ std::optional<int> parseComponent(const QString& text) {
                                                                 : std::nullopt;
 }
 
+std::optional<AskedIsovalue> parseIsovalueOption(const QString& given) {
+    const std::string text = given.toStdString();
+    std::string_view number = text;
+    const bool isInDeviations = removeDeviationWord(number);
+    bool isNumber = false;
+    const double value = QString::fromStdString(std::string(number)).toDouble(&isNumber);
+    return isNumber && std::isfinite(value) ? std::optional(AskedIsovalue(value, isInDeviations)) : std::nullopt;
+}
+
 } // namespace
 
 ParsedCommandLine parseCommandLine(const QStringList& arguments) {
@@ -49,7 +60,8 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     const QCommandLineOption version({QStringLiteral("v"), QStringLiteral("version")},
                                      QStringLiteral("Show the version and exit."));
     const QCommandLineOption isovalue(QStringLiteral("isovalue"),
-                                      QStringLiteral("Isovalue to show first, in data units."), QStringLiteral("X"));
+                                      QStringLiteral("Isovalue to show first, in data units, or as '2.5 sigma'."),
+                                      QStringLiteral("X"));
     const QCommandLineOption sample(QStringLiteral("sample"),
                                     QStringLiteral("Open a built-in volume instead of a FILE: bluntfin or shell."),
                                     QStringLiteral("NAME"));
@@ -91,11 +103,10 @@ ParsedCommandLine parseCommandLine(const QStringList& arguments) {
     if (!line.sample.isEmpty() && !line.file.isEmpty())
         return wrongUsage(QStringLiteral("give a FILE or --sample, not both"));
     if (parser.isSet(isovalue)) {
-        bool isNumber = false;
-        const double value = parser.value(isovalue).toDouble(&isNumber);
-        if (!isNumber || !std::isfinite(value))
-            return wrongUsage(QStringLiteral("--isovalue: '%1' is not a finite number").arg(parser.value(isovalue)));
-        line.isovalue = value;
+        line.isovalue = parseIsovalueOption(parser.value(isovalue));
+        if (!line.isovalue)
+            return wrongUsage(QStringLiteral("--isovalue: '%1' is not a finite number, nor one as '2.5 sigma'")
+                                  .arg(parser.value(isovalue)));
     }
     line.readOptions.field = parser.value(field).toStdString();
     if (parser.isSet(frame)) {

@@ -7,6 +7,7 @@
 #include <QStringList>
 
 #include "app/exit_code.h"
+#include "core/grid/value_spread.h"
 #include "core/volume_io/volume_reader.h"
 
 namespace isoslider::desktop {
@@ -17,7 +18,7 @@ struct CommandLine {
     QStringList furtherFiles; ///< one volume is shown at a time: these are not opened
     QString sample; ///< name of a built-in volume to open instead of a file
     io::ReadOptions readOptions; ///< which volume of the file
-    std::optional<double> isovalue;
+    std::optional<AskedIsovalue> isovalue;
     std::optional<QSize> size;
     QString screenshot;
     bool isSelfTest = false;

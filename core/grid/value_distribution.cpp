@@ -121,9 +121,11 @@ Status countCells(const SampleSpans<Sample>& spans, ValueDistribution& out) {
     const std::uint64_t first = cellOf(out.min);
     ThreadCounts counts(static_cast<std::size_t>(cellOf(out.max) - first) + 1);
     tbb::enumerable_thread_specific<DistinctCounter> distinct;
+    tbb::enumerable_thread_specific<SpreadSum> sums;
     ISO_TRY(spans([&](std::span<const Sample> samples) {
         Counts& local = counts.local();
         DistinctCounter& values = distinct.local();
+        sums.local().add(samples);
         for (const Sample sample : samples) {
             if (isMissing(sample))
                 continue;
@@ -131,6 +133,10 @@ Status countCells(const SampleSpans<Sample>& spans, ValueDistribution& out) {
             values.add(static_cast<double>(sample));
         }
     }));
+    SpreadSum sum;
+    for (const SpreadSum& part : sums)
+        sum.merge(part);
+    out.spread = sum.spread();
     DistinctCounter all;
     for (const DistinctCounter& part : distinct)
         all.merge(part);
@@ -138,13 +144,21 @@ Status countCells(const SampleSpans<Sample>& spans, ValueDistribution& out) {
     out.isEachValue = !out.cells.empty();
     if (out.isEachValue)
         return {};
-    const Counts& sum = counts.sum();
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        if (sum[i] > 0)
-            out.cells.push_back({std::max(out.min, lowerEndOf(first + i)), lowerEndOf(first + i + 1), sum[i]});
+    const Counts& counted = counts.sum();
+    for (std::size_t i = 0; i < counted.size(); ++i)
+        if (counted[i] > 0)
+            out.cells.push_back({std::max(out.min, lowerEndOf(first + i)), lowerEndOf(first + i + 1), counted[i]});
     if (!out.cells.empty())
         out.cells.back().upper = std::min(out.cells.back().upper, std::nextafter(out.max, HUGE_VAL));
     return {};
+}
+
+/// As if all samples of a cell were in its middle.
+ValueSpread spreadOfCells(std::span<const ValueCell> cells) {
+    SpreadSum sum;
+    for (const ValueCell& cell : cells)
+        sum.add(cell.lower / 2.0 + cell.upper / 2.0, cell.count);
+    return sum.spread();
 }
 
 /// What all values are multiples of, but for the first as offset; 0 if nothing.
@@ -372,6 +386,7 @@ Result<ValueDistribution> distributionOf(const SampleSpans<Sample>& spans, doubl
                 return cells.error();
             out.cells = std::move(cells).value();
             out.isEachValue = isCounted = true;
+            out.spread = spreadOfCells(out.cells);
         }
     }
     if (!isCounted)
@@ -419,6 +434,8 @@ ValueDistribution distributionOf(const Histogram& histogram, ScalarType type) {
         out.cells.push_back({end(bin), end(bin + 1), histogram.counts[bin]});
     }
     out.spacing = isFloatType(type) ? 0.0 : 1.0;
+    out.spread = spreadOfCells(out.cells);
+    out.spread.isExact = false; // within half a bin
     return out;
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/job_control.h"
 #include "core/grid/histogram.h"
 #include "core/grid/scalar_grid.h"
+#include "core/grid/value_spread.h"
 
 namespace isoslider {
 
@@ -40,6 +41,7 @@ struct ValueDistribution {
     Histogram body;
     std::uint64_t below = 0; ///< samples below body.min
     std::uint64_t above = 0;
+    ValueSpread spread; ///< of the counted samples; all zero where it is empty
 
     bool isEmpty() const { return cells.empty(); }
     bool isExact() const { return weight == 1.0; }

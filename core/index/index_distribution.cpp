@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -90,13 +91,32 @@ Result<ValueDistribution> distributionAs(const IndexReader& reader, std::uint64_
     ValueDistribution some = std::move(found).value();
     if (some.isEmpty()) // only missing samples were met
         return isoslider::distributionOf(info.histogram, info.type);
+    some.spread.isExact = false;
     some.isEachValue = some.isEachValue && some.spacing > 0.0; // others may have further values
     const auto finite = static_cast<double>(static_cast<std::uint64_t>(pointCount(info.geometry.dims)) - info.nanCount);
     some.weight = std::max(1.0, finite / static_cast<double>(some.counted()));
     return some;
 }
 
+template <class Sample>
+Result<ValueSpread> spreadAs(const IndexReader& reader, const JobControl& job) {
+    const SomeChunks<Sample> chunks(reader, std::numeric_limits<std::uint64_t>::max(), job);
+    tbb::enumerable_thread_specific<SpreadSum> sums;
+    ISO_TRY(chunks.visit([&sums](std::span<const Sample> samples) { sums.local().add(samples); }));
+    SpreadSum all;
+    for (const SpreadSum& part : sums)
+        all.merge(part);
+    return all.spread();
+}
+
 } // namespace
+
+Result<ValueSpread> spreadOf(const IndexReader& reader, const JobControl& job) {
+    const IndexInfo& info = reader.info();
+    if (!hasSampleChunks(info))
+        return isoslider::distributionOf(info.histogram, info.type).spread;
+    return visitScalarType(info.type, [&](auto sample) { return spreadAs<decltype(sample)>(reader, job); });
+}
 
 Result<ValueDistribution> distributionOf(const IndexReader& reader, std::uint64_t mostSamples, const JobControl& job) {
     const IndexInfo& info = reader.info();

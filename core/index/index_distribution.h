@@ -12,5 +12,8 @@ namespace isoslider::index {
 /// chunks once per pass; memory below 8 MB a thread. Errors: IoError, Corruption, Cancelled.
 Result<ValueDistribution> distributionOf(const IndexReader& reader, std::uint64_t mostSamples,
                                          const JobControl& job = {});
+/// Of all samples of an index, exactly; of a list of bricks as far as its histogram tells. Reads and decodes the chunks
+/// once. Errors: IoError, Corruption, Cancelled.
+Result<ValueSpread> spreadOf(const IndexReader& reader, const JobControl& job = {});
 
 } // namespace isoslider::index

@@ -44,6 +44,22 @@ TEST_F(CliExtract, CountsTheSurfaceOfAVolume) {
     expectSphere(json);
 }
 
+TEST_F(CliExtract, TakesIsovaluesInStandardDeviations) {
+    const auto info = runJson({"info", sphereVolume()});
+    const double mean = info["mean"], deviation = info["standard_deviation"];
+    for (const char* text : {"1.5 sigma", "1.5\xCF\x83", "1.5sd"})
+        EXPECT_EQ(runJson({"extract", path("sphere.mha"), "--isovalue", text})["isovalue"], mean + 1.5 * deviation);
+    EXPECT_EQ(runJson({"extract", sphereIndex(), "--isovalue=-0.5 sigma"})["isovalue"], mean - 0.5 * deviation);
+    EXPECT_EQ(runJson({"extract", path("sphere.isx"), "--isovalue", "-0.5 sigma"})["isovalue"], mean - 0.5 * deviation);
+    const auto steps = runJson({"slide", path("sphere.isx"), "--from", "-1sd", "--to", "1sd", "--steps", "2"})["steps"];
+    EXPECT_EQ(steps[0]["isovalue"], mean - deviation);
+    EXPECT_EQ(steps[2]["isovalue"], mean + deviation);
+    EXPECT_EQ(runJson({"topology", path("sphere.isx"), "--at", "1 sd"})["isovalue"], mean + deviation);
+    expectRefusal({"extract", path("sphere.mha"), "--isovalue", "bone sd"}, 2, "as in '2.5 sigma'");
+    folder_.write("flat.mha", metaImage(2, "MET_FLOAT", floatSamples(2, [](int, int, int) { return 3.0F; })));
+    expectRefusal({"extract", path("flat.mha"), "--isovalue", "1 sd"}, 3, "no two samples differ");
+}
+
 TEST_F(CliExtract, CountsTheSameFromTheIndex) {
     auto fromIndex = runJson({"extract", sphereIndex(), "--isovalue", "5"});
     EXPECT_EQ(fromIndex["source"], "index");

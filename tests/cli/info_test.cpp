@@ -10,8 +10,9 @@ class CliInfo : public CliTest {};
 
 TEST_F(CliInfo, TellsWhatAVolumeHolds) {
     const auto json = runJson({"info", sphereVolume()});
-    EXPECT_THAT(keysOf(json), ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "min", "max",
-                                                     "distinct_values", "nan_count", "format", "direction"));
+    EXPECT_THAT(keysOf(json),
+                ::testing::ElementsAre("dims", "spacing", "origin", "scalar_type", "min", "max", "mean",
+                                       "standard_deviation", "distinct_values", "nan_count", "format", "direction"));
     EXPECT_EQ(json["dims"], OrderedJson({16, 16, 16}));
     EXPECT_EQ(json["spacing"], OrderedJson({1.0, 1.0, 1.0}));
     EXPECT_EQ(json["scalar_type"], "f32");
@@ -24,9 +25,21 @@ TEST_F(CliInfo, TellsTheSameOfTheIndex) {
     const auto volume = runJson({"info", sphereVolume()});
     const auto index = runJson({"info", sphereIndex()});
     EXPECT_EQ(keysOf(volume), keysOf(index));
-    for (const auto* key :
-         {"dims", "spacing", "origin", "scalar_type", "min", "max", "distinct_values", "nan_count", "direction"})
+    for (const auto* key : {"dims", "spacing", "origin", "scalar_type", "min", "max", "mean", "standard_deviation",
+                            "distinct_values", "nan_count", "direction"})
         EXPECT_EQ(volume[key], index[key]) << key;
+}
+
+TEST_F(CliInfo, StatesMeanAndStandardDeviation) {
+    folder_.write("a.mha", metaImage(2, "MET_FLOAT", floatSamples(2, [](int x, int y, int z) {
+                                         return std::vector<float>{
+                                             2, 4, 4, 4, 5, 5, 7, 9}[static_cast<std::size_t>(x + 2 * y + 4 * z)];
+                                     })));
+    const auto json = runJson({"info", path("a.mha")});
+    EXPECT_EQ(json["mean"], 5.0);
+    EXPECT_EQ(json["standard_deviation"], 2.0);
+    EXPECT_FALSE(json.contains("mean_is_estimated"));
+    EXPECT_THAT(run({"info", path("a.mha")}).standardOutput, HasSubstr("mean             5\nstd. deviation   2\n"));
 }
 
 TEST_F(CliInfo, ReadsAHeaderlessVolumeAsTold) {

@@ -123,6 +123,46 @@ TEST_F(IsovaluePanelTest, WhatIsNoNumberIsPutBack) {
     }
 }
 
+TEST_F(IsovaluePanelTest, StandardDeviationsAreFromTheMean) {
+    const ValueSpread spread = session_->dataset()->values->spread;
+    ASSERT_TRUE(spread.isExact);
+    ASSERT_GT(spread.deviation, 0.5);
+    const auto type = [this](const QString& text) {
+        trigger("isovalue.edit");
+        QTest::keyClicks(&edit(), text);
+        QTest::keyClick(&edit(), Qt::Key_Return);
+    };
+    type(QStringLiteral("1.5 sigma"));
+    EXPECT_DOUBLE_EQ(isovalue().requested(), spread.mean + 1.5 * spread.deviation);
+    EXPECT_THAT(edit().toolTip().toStdString(), ::testing::HasSubstr("Now: mean + 1.5 \xCF\x83"));
+    trigger("isovalue.edit");
+    QTest::keyClicks(&edit(), QStringLiteral("-0,5"));
+    edit().insert(QStringLiteral("σ")); // no key of the test library
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_DOUBLE_EQ(isovalue().requested(), spread.mean - 0.5 * spread.deviation);
+    EXPECT_THAT(edit().toolTip().toStdString(), ::testing::HasSubstr("mean \xE2\x88\x92 0.5 \xCF\x83"));
+    type(QStringLiteral("1 SD"));
+    EXPECT_DOUBLE_EQ(isovalue().requested(), spread.mean + spread.deviation);
+    type(QStringLiteral("50 sd"));
+    EXPECT_EQ(isovalue().requested(), isovalue().max()) << "as any isovalue beyond the samples";
+}
+
+TEST_F(IsovaluePanelTest, OfEqualSamplesThereAreNoStandardDeviations) {
+    window_->openFile(qpath(test::writeFloats(folder_, "flat.mha", {4, 4, 4}, [](int, int, int) { return 3.0F; })));
+    ASSERT_TRUE(waitUntil([this] { return session_->dataset()->name == "flat.mha"; }));
+    trigger("isovalue.edit");
+    edit().selectAll();
+    QTest::keyClicks(&edit(), QStringLiteral("2 sigma"));
+    QTest::keyClick(&edit(), Qt::Key_Return);
+    EXPECT_EQ(isovalue().requested(), 3.0);
+    EXPECT_EQ(edit().text(), QStringLiteral("3"));
+    if (edit().hasFocus()) {
+        EXPECT_TRUE(QToolTip::text().contains(QStringLiteral("no standard deviation")))
+            << QToolTip::text().toStdString();
+    }
+    EXPECT_FALSE(edit().toolTip().contains(QStringLiteral("Now")));
+}
+
 TEST_F(IsovaluePanelTest, LettersThatNoNumberHasGoToTheWindow) {
     const bool hadBox = window_->actions().action("view.box")->isChecked();
     trigger("isovalue.edit");
@@ -139,8 +179,8 @@ TEST_F(IsovaluePanelTest, LettersAreTextOnceSomethingWasTyped) {
     const double before = isovalue().requested();
     const bool hadBox = window_->actions().action("view.box")->isChecked();
     trigger("isovalue.edit");
-    QTest::keyClicks(&edit(), QStringLiteral("6 sigma B"));
-    EXPECT_EQ(edit().text(), QStringLiteral("6 sigma B"));
+    QTest::keyClicks(&edit(), QStringLiteral("6 metres B"));
+    EXPECT_EQ(edit().text(), QStringLiteral("6 metres B"));
     EXPECT_TRUE(session_->surfaces().active()->isVisible);
     EXPECT_EQ(window_->actions().action("view.box")->isChecked(), hadBox);
     QTest::keyClick(&edit(), Qt::Key_Return);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <set>
 
 #include <QAbstractItemModelTester>
@@ -17,6 +18,7 @@
 #include "core/volume_io/volume_reader.h"
 #include "preprocess/build_index.h"
 #include "tests/gui/window_fixture.h"
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/widgets/opening/start_page.h"
 #include "ui/widgets/viewport/viewport_host.h"
@@ -170,7 +172,8 @@ TEST_F(MainWindowTest, ChecksTheMesh) {
 /// The value beside a name in the Mesh panel; null when it is not shown.
 QLabel* factOf(const QWidget& form, const char* name) {
     for (auto* label : form.findChildren<QLabel*>())
-        if (label->accessibleName().startsWith(QLatin1String(name) + QStringLiteral(": ")) && label->isVisibleTo(&form))
+        if (label->accessibleName().startsWith(QString::fromUtf8(name) + QStringLiteral(": ")) &&
+            label->isVisibleTo(&form))
             return label;
     return nullptr;
 }
@@ -179,6 +182,26 @@ QLabel* factOf(const QWidget& form, const char* name) {
 std::string factTextOf(const QWidget& form, const char* name) {
     const auto* label = factOf(form, name);
     return label == nullptr ? "not shown" : label->text().replace(QChar(QChar::Nbsp), QLatin1Char(' ')).toStdString();
+}
+
+TEST_F(MainWindowTest, StatesMeanAndStandardDeviationOfTheSamples) {
+    openBall();
+    const auto* form = child<QWidget>("datasetForm");
+    // Of distances from the middle of a cube, by another way than the program's.
+    double sum = 0.0, squares = 0.0;
+    for (int z = 0; z < 24; ++z)
+        for (int y = 0; y < 24; ++y)
+            for (int x = 0; x < 24; ++x) {
+                const double square = (x - 11.5) * (x - 11.5) + (y - 11.5) * (y - 11.5) + (z - 11.5) * (z - 11.5);
+                sum -= std::sqrt(square);
+                squares += square;
+            }
+    const double mean = sum / (24 * 24 * 24), deviation = std::sqrt(squares / (24 * 24 * 24) - mean * mean);
+    EXPECT_EQ(factTextOf(*form, "Mean ± deviation"), model::spreadText({mean, deviation, true}));
+    const auto index = session_->dataset()->indexPath;
+    window_->openFile(qpath(index));
+    ASSERT_TRUE(waitUntil([&] { return session_->dataset()->path == index; }));
+    EXPECT_EQ(factTextOf(*form, "Mean ± deviation"), model::spreadText({mean, deviation, true})) << "of the index";
 }
 
 TEST_F(MainWindowTest, ShowsTheCertificateOfTheSurface) {

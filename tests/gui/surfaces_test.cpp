@@ -168,6 +168,9 @@ TEST_F(SurfacesTest, TheListShowsHidesNamesAndActivates) {
     EXPECT_EQ(all()[1].isovalue, -7.5);
     type(1, SurfaceTable::Isovalue, QStringLiteral("soft"));
     EXPECT_EQ(all()[1].isovalue, -7.5);
+    type(1, SurfaceTable::Isovalue, QStringLiteral("-1 sigma"));
+    const ValueSpread spread = session_->dataset()->values->spread;
+    EXPECT_EQ(all()[1].isovalue, spread.mean - spread.deviation);
     settle();
     EXPECT_EQ(session_->pictureOf(all()[1].id) == nullptr, false);
     keepPicture(*window_, "surfaces_list");

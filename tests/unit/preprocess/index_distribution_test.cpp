@@ -43,6 +43,13 @@ TEST_F(IndexDistribution, OfAllSamplesIsThatOfTheVolume) {
         const auto wanted = isoslider::distributionOf(*grid, reader->info().min, reader->info().max);
         ASSERT_THAT(wanted, IsOk());
         EXPECT_TRUE(found.value().isExact());
+        EXPECT_TRUE(found.value().spread.isExact);
+        EXPECT_EQ(found.value().spread.mean, wanted.value().spread.mean);
+        EXPECT_EQ(found.value().spread.deviation, wanted.value().spread.deviation);
+        const auto spread = spreadOf(*reader);
+        ASSERT_THAT(spread, IsOk());
+        EXPECT_EQ(spread.value().mean, isoslider::spreadOf(*grid).value().mean);
+        EXPECT_EQ(spread.value().deviation, wanted.value().spread.deviation);
         EXPECT_EQ(found.value().body.counts, wanted.value().body.counts);
         EXPECT_EQ(found.value().body.min, wanted.value().body.min);
         EXPECT_EQ(found.value().body.max, wanted.value().body.max);
@@ -58,6 +65,10 @@ TEST_F(IndexDistribution, OfSomeSamplesStandsForAll) {
     ASSERT_THAT(found, IsOk());
     EXPECT_LE(found.value().counted(), 130'000u);
     EXPECT_GE(found.value().counted(), 40'000u);
+    EXPECT_FALSE(found.value().spread.isExact);
+    const ValueSpread whole = isoslider::spreadOf(*grid).value();
+    EXPECT_NEAR(found.value().spread.mean, whole.mean, 0.1 * whole.deviation);
+    EXPECT_NEAR(found.value().spread.deviation, whole.deviation, 0.1 * whole.deviation);
     EXPECT_FALSE(found.value().isExact());
     EXPECT_NEAR(found.value().weight * static_cast<double>(found.value().counted()), 90.0 * 80.0 * 70.0, 1.0);
     EXPECT_EQ(found.value().max, reader->info().max) << "known, counted or not";

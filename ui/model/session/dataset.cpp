@@ -43,7 +43,11 @@ std::optional<SuggestedIsovalue> bestOfTopology(const Dataset& dataset) {
 }
 
 /// REQUIRES: range and values are there.
-void chooseFirst(LoadedDataset& loaded, std::optional<double> wanted) {
+void chooseFirst(LoadedDataset& loaded, const std::optional<AskedIsovalue>& asked) {
+    std::optional<double> wanted;
+    if (asked)
+        if (const auto value = asked->in(loaded.dataset.values->spread); value.isOk())
+            wanted = value.value(); // else all samples are equal: no isovalue is better than another
     const auto best = wanted || !loaded.engine ? std::nullopt : bestOfTopology(loaded.dataset);
     loaded.isFirstBest = best.has_value();
     if (wanted)

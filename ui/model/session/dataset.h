@@ -59,6 +59,9 @@ struct Dataset {
     double bytesPerVoxel() const; ///< of the index; 0 without one
 };
 
+/// Of the samples; none differ of no volume.
+inline ValueSpread spreadOf(const Dataset* dataset) { return dataset ? dataset->values->spread : ValueSpread(); }
+
 /// Whether the world's axes are a patient's: towards left, posterior, superior.
 bool isPatientSpace(const Dataset& dataset);
 
@@ -67,7 +70,7 @@ struct OpenRequest {
     std::filesystem::path path;
     std::string sampleName;
     io::ReadOptions readOptions;
-    std::optional<double> isovalue; ///< the first isovalue; otherwise a suggested one
+    std::optional<AskedIsovalue> isovalue; ///< the first isovalue; otherwise a suggested one
     /// A file of several volumes is not an error: Session::choiceNeeded reports what it holds.
     bool asksForChoice = false;
 };

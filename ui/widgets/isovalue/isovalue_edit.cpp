@@ -6,6 +6,7 @@
 #include <QToolTip>
 #include <QWheelEvent>
 
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/isovalue_model.h"
 #include "ui/model/isovalue/number_text.h"
 
@@ -69,18 +70,32 @@ void IsovalueEdit::commit() {
     if (!isModified() || text() == shownText_)
         return setModified(false);
     hideReason();
-    const auto value = model::numberFrom(text().trimmed().toStdString());
     setModified(false);
-    if (isCut_) {
-        refuse(tr("“%1” is too long for a number").arg(quoted(text())));
-    } else if (value) {
+    if (const auto value = typedValue()) {
         Q_EMIT valueCommitted(*value);
         restore(); // shows the clamped value if the request changed nothing
-    } else {
-        refuse(tr("“%1” is not a number").arg(quoted(text())));
     }
     if (hasFocus())
         selectAll();
+}
+
+// Refuses what is none.
+std::optional<double> IsovalueEdit::typedValue() {
+    if (isCut_) {
+        refuse(tr("“%1” is too long for a number").arg(quoted(text())));
+        return std::nullopt;
+    }
+    const auto asked = model::isovalueFrom(text().trimmed().toStdString());
+    if (!asked) {
+        refuse(tr("“%1” is not a number").arg(quoted(text())));
+        return std::nullopt;
+    }
+    const auto value = asked->in(spread_.value_or(ValueSpread()));
+    if (!value.isOk()) {
+        refuse(tr("All samples have one value: there is no standard deviation to go by"));
+        return std::nullopt;
+    }
+    return value.value();
 }
 
 void IsovalueEdit::refuse(const QString& reason) {

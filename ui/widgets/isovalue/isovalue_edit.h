@@ -1,10 +1,14 @@
 #pragma once
 
+#include <optional>
+
 #include <QLineEdit>
+
+#include "core/grid/value_spread.h"
 
 namespace isoslider::widgets {
 
-/// A number typed in data units: taken on Enter or when the focus leaves, put back on Escape or if
+/// A number typed in data units, or in standard deviations from the mean: taken on Enter or when the focus leaves, put back on Escape or if
 /// it is not a number, with a tip on why while the user is in it. Never rewritten while the user types.
 class IsovalueEdit : public QLineEdit {
     Q_OBJECT
@@ -13,6 +17,8 @@ public:
 
     void showValue(double value);
     void showNothing();
+    /// What "2.5 sigma" refers to; none without a volume.
+    void setSpread(std::optional<ValueSpread> spread) { spread_ = spread; }
 
 Q_SIGNALS:
     void valueCommitted(double value);
@@ -30,6 +36,9 @@ private:
     void refuse(const QString& reason);
     void hideReason();
 
+    std::optional<double> typedValue();
+
+    std::optional<ValueSpread> spread_;
     QString shownText_;
     QString reason_; ///< as the tip has it; empty: there is none
     bool isCut_ = false; ///< what was put in was longer than fits: what is there is not what was meant

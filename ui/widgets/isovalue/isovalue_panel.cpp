@@ -12,6 +12,7 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/icon_loader.h"
@@ -71,9 +72,6 @@ QWidget* IsovaluePanel::makeControls(const ActionRegistry& actions) {
     auto* name = new QLabel(tr("Isovalue"), row);
     name->setBuddy(edit_);
     edit_->setFixedWidth(fontMetrics().horizontalAdvance(QStringLiteral("-0.00000000e+00")) + 16);
-    edit_->setToolTip(
-        tr("Isovalue in the volume's units, with a decimal point or comma. Enter or leaving the field takes "
-           "it; up and down step, with Shift 10 times finer."));
     range_ = new QLabel(row);
     makeQuiet(range_);
     mode_ = new QComboBox(row);
@@ -217,6 +215,7 @@ void IsovaluePanel::showDataset() {
     const auto* dataset = session_.dataset();
     const bool hasDataset = dataset != nullptr;
     edit_->setEnabled(hasDataset);
+    edit_->setSpread(hasDataset ? std::optional(dataset->values->spread) : std::nullopt);
     showPlayback();
     if (!hasDataset) {
         range_->setText(tr("no volume"));
@@ -258,11 +257,14 @@ void IsovaluePanel::showIsovalue() {
     const auto text = [](double value) { return QString::fromStdString(model::valueText(value, 7)); };
     if (!isovalue.hasDomain()) {
         edit_->showNothing();
+        showTips({});
         for (QLabel* label : {requested_, displayed_, elapsed_})
             setReadout(label, QStringLiteral("–"));
         return;
     }
     edit_->showValue(isovalue.requested());
+    if (const auto* dataset = session_.dataset())
+        showTips(QString::fromStdString(model::deviationsText(isovalue.requested(), dataset->values->spread)));
     setReadout(requested_, text(isovalue.requested()));
     const bool hasDisplayed = isovalue.hasDisplayed();
     setReadout(displayed_, hasDisplayed ? text(isovalue.displayed()) : QStringLiteral("–"));
@@ -271,6 +273,15 @@ void IsovaluePanel::showIsovalue() {
     makeRoomForControls();
     plot_->setIsovalues(isovalue.requested(), hasDisplayed ? isovalue.displayed() : isovalue.requested());
     applyStepRule(); // on a logarithmic axis, a step depends on where it is made
+}
+
+// `inDeviations`: the isovalue; may be empty.
+void IsovaluePanel::showTips(const QString& inDeviations) {
+    const QString how =
+        tr("Isovalue in the volume's units, with a decimal point or comma, or in standard deviations from the mean, as "
+           "“2.5 sigma”.\nEnter or leaving the field takes it; up and down step, with Shift 10 times finer.");
+    edit_->setToolTip(inDeviations.isEmpty() ? how : how + QStringLiteral("\n") + tr("Now: %1").arg(inDeviations));
+    requested_->setToolTip(inDeviations);
 }
 
 void IsovaluePanel::applyStepRule() {

@@ -48,6 +48,7 @@ private:
     void beginVolume();
     void makeRoomForControls();
     void showIsovalue();
+    void showTips(const QString& inDeviations);
     void applyStepRule();
     void showPlayback();
     void setPlaying(bool isPlaying);

@@ -81,7 +81,7 @@ void OpenFlow::preview(const QString& path) {
     connect(dialog, &VolumeDialog::previewsFirstToggled, this, &OpenFlow::setPreviewsFirst);
 }
 
-void OpenFlow::openPath(const QString& path, std::optional<double> isovalue, const io::ReadOptions& options) {
+void OpenFlow::openPath(const QString& path, std::optional<AskedIsovalue> isovalue, const io::ReadOptions& options) {
     if (isHeaderlessFile(path))
         return askRawLayout(path);
     model::OpenRequest request;
@@ -140,7 +140,7 @@ void OpenFlow::askChoice(const model::OpenRequest& request, const io::VolumeCont
     showDialog(std::make_unique<model::OpenModel>(request.path, contents, jobs_, volumes_), request.isovalue);
 }
 
-VolumeDialog* OpenFlow::showDialog(std::unique_ptr<model::OpenModel> model, std::optional<double> isovalue) {
+VolumeDialog* OpenFlow::showDialog(std::unique_ptr<model::OpenModel> model, std::optional<AskedIsovalue> isovalue) {
     auto* dialog = new VolumeDialog(std::move(model), window_);
     connect(dialog, &VolumeDialog::openRequested, this,
             [this, isovalue](const QString& chosen, const io::ReadOptions& options) {

@@ -46,7 +46,7 @@ public:
     /// Opens a volume, an index or a folder. Asks only what has to be known: how a headerless file is
     /// arranged, and which of several volumes is meant. `isovalue`: the first one; otherwise a suggested one.
     /// `options`: what of that is known.
-    void openPath(const QString& path, std::optional<double> isovalue = std::nullopt,
+    void openPath(const QString& path, std::optional<AskedIsovalue> isovalue = std::nullopt,
                   const io::ReadOptions& options = {});
     /// Opens what was open before, with the choices that were made then. Asks nothing, unless the file has changed
     /// so that they are no longer there.
@@ -62,7 +62,7 @@ private:
     void preview(const QString& path);
     void askRawLayout(const QString& path);
     void askChoice(const model::OpenRequest& request, const io::VolumeContents& contents);
-    VolumeDialog* showDialog(std::unique_ptr<model::OpenModel> model, std::optional<double> isovalue);
+    VolumeDialog* showDialog(std::unique_ptr<model::OpenModel> model, std::optional<AskedIsovalue> isovalue);
     void open(model::OpenRequest request);
 
     Target target_;

@@ -9,6 +9,7 @@
 #include <QVBoxLayout>
 
 #include "core/volume_io/sources/coarse_reader.h"
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
@@ -36,6 +37,14 @@ std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, b
                      seen(QStringLiteral("%1 … %2").arg(fromStd(model::valueText(dataset.min, 8)),
                                                         fromStd(model::valueText(dataset.max, 8)))),
                      {}});
+    if (!dataset.values->isEmpty()) {
+        const ValueSpread& spread = dataset.values->spread;
+        facts.push_back({DatasetPanel::tr("Mean ± deviation"), seen(fromStd(model::spreadText(spread))),
+                         spread.isExact
+                             ? DatasetPanel::tr("Mean and standard deviation of all samples; an isovalue may be typed "
+                                                "in deviations from the mean, as “2.5 sigma”")
+                             : DatasetPanel::tr("Mean and standard deviation, estimated from some of the samples")});
+    }
     if (dataset.distinctValues > 0)
         facts.push_back({DatasetPanel::tr("Distinct values"), fromStd(groupedText(dataset.distinctValues)), {}});
     facts.push_back(
@@ -157,9 +166,10 @@ QWidget* DatasetPanel::makeFactsPage(const ActionRegistry& actions) {
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     layout->setSpacing(6);
     volumeFacts_ = new FactForm(page);
+    volumeFacts_->setObjectName(QStringLiteral("datasetForm"));
     indexFacts_ = new FactForm(page);
     for (FactForm* form : {volumeFacts_, indexFacts_})
-        form->reserveNameWidth(tr("Missing samples"));
+        form->reserveNameWidth(tr("Mean ± deviation"));
     indexState_ = new QLabel(page);
     indexState_->setWordWrap(true);
     build_ = new QPushButton(tr("Build Index"), page);

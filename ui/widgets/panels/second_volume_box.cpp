@@ -44,10 +44,11 @@ SecondVolumeBox::SecondVolumeBox(model::Session& session, const ActionRegistry& 
         row->addWidget(makeToolButton(actions.action(action), Qt::ToolButtonTextOnly, this));
     row->addStretch(1);
     rows->addLayout(row);
-    auto* editor = new SurfaceEditor(session.secondVolume().surfaces(),
-                                     {QStringLiteral("secondSurface"), tr("Surfaces of the second volume"),
-                                      tr("The selected surface: isovalue, colour and opacity below are of it")},
-                                     this);
+    auto* editor = new SurfaceEditor(
+        session.secondVolume().surfaces(),
+        {QStringLiteral("secondSurface"), tr("Surfaces of the second volume"),
+         tr("The selected surface: isovalue, colour and opacity below are of it")},
+        [&session] { return spreadOf(session.secondVolume().dataset()); }, this);
     editor->setTableActions(
         {actions.action("second.addSurface"), actions.action("second.removeSurface"), actions.action("second.close")});
     rows->addWidget(editor, 1);

@@ -53,11 +53,12 @@ protected:
 
 } // namespace
 
-SurfaceEditor::SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, QWidget* parent)
+SurfaceEditor::SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, SurfaceTable::SpreadSource spread,
+                             QWidget* parent)
     : QWidget(parent),
       surfaces_(surfaces),
       objectNames_(texts.objectNames),
-      table_(new SurfaceTable(surfaces, texts.activeTip, this)) {
+      table_(new SurfaceTable(surfaces, texts.activeTip, std::move(spread), this)) {
     auto* layout = new QVBoxLayout(this);
     layout->setContentsMargins(0, 0, 0, 0);
     layout->setSpacing(6);

@@ -4,6 +4,7 @@
 #include <QWidget>
 
 #include "ui/model/surface/surface_list.h"
+#include "ui/widgets/panels/surface_table.h"
 
 class QLabel;
 class QMenu;
@@ -12,8 +13,6 @@ class QTableView;
 class QToolButton;
 
 namespace isoslider::widgets {
-
-class SurfaceTable;
 
 /// The surfaces of a volume in a list, and how the active one looks. A click on a row, or Enter, makes its surface
 /// active; a click on the box shows or hides it.
@@ -26,7 +25,8 @@ public:
         QString activeTip; ///< of the active surface's row
     };
     /// The model must outlive it.
-    SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, QWidget* parent);
+    SurfaceEditor(model::SurfacesModel& surfaces, const Texts& texts, SurfaceTable::SpreadSource spread,
+                  QWidget* parent);
 
     /// Of its context menu, before those that copy. Called once.
     void setTableActions(const QList<QAction*>& actions);

@@ -9,6 +9,7 @@
 #include <QGuiApplication>
 #include <QPalette>
 
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/texts.h"
 
@@ -19,8 +20,12 @@ int percentOf(double opacity) { return static_cast<int>(std::lround(100.0 * opac
 
 } // namespace
 
-SurfaceTable::SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, QObject* parent)
-    : QAbstractTableModel(parent), surfaces_(surfaces), activeTip_(std::move(activeTip)), shown_(surfaces.list()) {
+SurfaceTable::SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, SpreadSource spread, QObject* parent)
+    : QAbstractTableModel(parent),
+      surfaces_(surfaces),
+      activeTip_(std::move(activeTip)),
+      spread_(std::move(spread)),
+      shown_(surfaces.list()) {
     subscription_ = surfaces_.observe([this] { follow(); });
 }
 
@@ -123,8 +128,9 @@ bool SurfaceTable::setData(const QModelIndex& index, const QVariant& value, int 
                 return false;
             return change([&](model::ListedSurface& surface) { surface.name = text.toStdString(); });
         case Isovalue:
-            if (const auto isovalue = model::numberFrom(text.toStdString()); isovalue && std::isfinite(*isovalue))
-                return change([&](model::ListedSurface& surface) { surface.isovalue = *isovalue; });
+            if (const auto asked = model::isovalueFrom(text.toStdString()))
+                if (const auto isovalue = asked->in(spread_()); isovalue.isOk() && std::isfinite(isovalue.value()))
+                    return change([&](model::ListedSurface& surface) { surface.isovalue = isovalue.value(); });
             return false;
         case Opacity: return change([&](model::ListedSurface& surface) { surface.opacity = value.toInt() / 100.0; });
         default: return false;

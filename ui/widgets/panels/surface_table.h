@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
+
 #include <QAbstractTableModel>
 
+#include "core/grid/value_spread.h"
 #include "ui/model/surface/surface_list.h"
 
 namespace isoslider::widgets {
@@ -13,8 +16,11 @@ class SurfaceTable : public QAbstractTableModel {
 public:
     enum Column { Shown, Name, Isovalue, Opacity, kColumns };
 
+    /// Of the volume's samples, for isovalues that are typed in standard deviations.
+    using SpreadSource = std::function<ValueSpread()>;
+
     /// The model must outlive it. `activeTip`: of the active surface's row.
-    SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, QObject* parent = nullptr);
+    SurfaceTable(model::SurfacesModel& surfaces, QString activeTip, SpreadSource spread, QObject* parent = nullptr);
 
     /// REQUIRES: there is such a row.
     model::SurfaceId surfaceOf(int row) const;
@@ -33,6 +39,7 @@ private:
 
     model::SurfacesModel& surfaces_;
     QString activeTip_;
+    SpreadSource spread_;
     model::SurfaceList shown_; ///< what views have been told of
     model::Subscription subscription_;
 };

@@ -15,10 +15,11 @@ namespace isoslider::widgets {
 
 SurfacesPanel::SurfacesPanel(model::Session& session, const ActionRegistry& actions, QWidget* parent)
     : QWidget(parent),
-      editor_(new SurfaceEditor(session.surfaces(),
-                                {QStringLiteral("surface"), tr("Surfaces of the volume"),
-                                 tr("The active surface: it is the one that slides")},
-                                this)) {
+      editor_(new SurfaceEditor(
+          session.surfaces(),
+          {QStringLiteral("surface"), tr("Surfaces of the volume"),
+           tr("The active surface: it is the one that slides")},
+          [&session] { return spreadOf(session.dataset()); }, this)) {
     // A panel that grew with the second volume would push the other panels, and change the view's size.
     const ScrollPage scroll = fillWithScrollPage(this);
     QWidget* const page = scroll.page;

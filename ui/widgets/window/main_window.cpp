@@ -246,7 +246,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMainWindow::closeEvent(event);
 }
 
-void MainWindow::openFile(const QString& path, std::optional<double> isovalue, const io::ReadOptions& options) {
+void MainWindow::openFile(const QString& path, std::optional<AskedIsovalue> isovalue, const io::ReadOptions& options) {
     if (model::isSessionFile(std::filesystem::path(path.toStdU16String())))
         keeper_->open(path);
     else

@@ -7,6 +7,7 @@
 #include <QMainWindow>
 #include <QStringList>
 
+#include "core/grid/value_spread.h"
 #include "core/volume_io/volume_reader.h"
 #include "ui/model/observers.h"
 
@@ -45,7 +46,7 @@ public:
     /// Opens a volume, a folder, an index or a session file, and remembers it among the recent files once it is open.
     /// Asks what has to be known of it first. `isovalue`: the first one; otherwise a suggested one.
     /// `options`: which volume of the file, as far as it is known.
-    void openFile(const QString& path, std::optional<double> isovalue = std::nullopt,
+    void openFile(const QString& path, std::optional<AskedIsovalue> isovalue = std::nullopt,
                   const io::ReadOptions& options = {});
     /// Reports that these were given, and that one volume is shown at a time.
     void reportNotOpened(const QStringList& files);

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "ui/model/isovalue/deviation_text.h"
+
 #include "ui/model/isovalue/number_text.h"
+
 #include "ui/model/opening/raw_guess.h"
 
 namespace isoslider::model {
@@ -111,6 +114,27 @@ TEST(NumberFrom, RefusesWhatIsNone) {
          {"",     " ",    "bone", "nan",       "1e", "1,2,3", "1.2.3", "1,23,456", "--1",  "+-1",
           "1,5,", "5 mm", "0x10", "1,234.5.6", ",",  ".",     "5 6",   "-5 -6",    "1 23", "1.5 000"})
         EXPECT_FALSE(numberFrom(text)) << text;
+}
+
+TEST(IsovalueFrom, TakesValuesAndStandardDeviations) {
+    EXPECT_EQ(isovalueFrom("1,5")->number, 1.5);
+    EXPECT_FALSE(isovalueFrom("1,5")->isInDeviations);
+    for (const char* text : {"-2,5 sigma", "-2.5\xCF\x83",
+                             "\xE2\x88\x92"
+                             "2.5 sd"}) {
+        ASSERT_TRUE(isovalueFrom(text)) << text;
+        EXPECT_EQ(isovalueFrom(text)->number, -2.5) << text;
+        EXPECT_TRUE(isovalueFrom(text)->isInDeviations) << text;
+    }
+    for (const char* text : {"", "sigma", "bone sd", "2 sigma sigma", "2 sigma 3"})
+        EXPECT_FALSE(isovalueFrom(text)) << text;
+}
+
+TEST(DeviationsText, StatesTheIsovalueFromTheMean) {
+    EXPECT_EQ(deviationsText(20.0, {10.0, 4.0, true}), "mean + 2.5 \xCF\x83");
+    EXPECT_EQ(deviationsText(5.0, {10.0, 4.0, false}), "\xE2\x89\x88 mean \xE2\x88\x92 1.25 \xCF\x83");
+    EXPECT_EQ(deviationsText(5.0, {5.0, 0.0, true}), "");
+    EXPECT_EQ(spreadText({10.0, 4.0, true}), "10 \xC2\xB1 4");
 }
 
 TEST(ExactText, IsShortAndReadsTheSame) {
