@@ -6,8 +6,10 @@
 #include <QAction>
 #include <QComboBox>
 #include <QDockWidget>
+#include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QToolTip>
 #include <QtTest>
 
 #include <glm/geometric.hpp>
@@ -270,6 +272,44 @@ TEST_F(ColourTest, WhatHasNoEffectIsDisabled) {
     expectMap(true, "by X again");
     trigger("colour.one");
     expectMap(false, "of one colour again");
+}
+
+TEST_F(ColourTest, ARangeThatIsNoneIsPutBackWithAReason) {
+    choose("colour.x", ColourBy::X);
+    child<QDockWidget>("colourDock")->raise();
+    auto *low = child<QLineEdit>("colourLow"), *high = child<QLineEdit>("colourHigh");
+    const auto* note = child<QLabel>("colourNote");
+    const auto before = colours().colours().range;
+    const QString lowText = low->text();
+    const auto type = [](QLineEdit* edit, const char* text) {
+        edit->setFocus();
+        edit->selectAll();
+        QTest::keyClicks(edit, QLatin1String(text));
+        QTest::keyClick(edit, Qt::Key_Return);
+    };
+    type(low, "900");
+    EXPECT_EQ(colours().colours().range, before);
+    EXPECT_EQ(low->text(), lowText);
+    EXPECT_TRUE(note->text().contains(QStringLiteral("is above its last"))) << note->text().toStdString();
+    if (low->hasFocus()) {
+        EXPECT_TRUE(QToolTip::text().contains(QStringLiteral("is above its last"))) << QToolTip::text().toStdString();
+    }
+    keepPicture(*window_, "colour_range_backwards");
+    QTest::keyClicks(low, QStringLiteral("1"));
+    EXPECT_FALSE(note->text().contains(QStringLiteral("is above its last"))) << "something else is typed";
+    type(high, "-5");
+    EXPECT_TRUE(note->text().contains(QStringLiteral("is above its last")));
+    type(high, "wide");
+    EXPECT_TRUE(note->text().contains(QStringLiteral("is not a number"))) << note->text().toStdString();
+    type(low, "2");
+    type(high, "2");
+    EXPECT_TRUE(note->text().contains(QStringLiteral("both its values"))) << note->text().toStdString();
+    type(high, "9");
+    EXPECT_EQ(colours().wanted().range, (ColourRange{2.0, 9.0}));
+    EXPECT_FALSE(note->text().contains(QStringLiteral("range was not"))) << note->text().toStdString();
+    type(low, "11");
+    trigger("colour.y");
+    EXPECT_FALSE(note->text().contains(QStringLiteral("is above its last"))) << "of what is not shown any more";
 }
 
 // On a white background, the least legible there is: against its plate.

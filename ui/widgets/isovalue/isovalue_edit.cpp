@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <QKeyEvent>
-#include <QToolTip>
 #include <QWheelEvent>
 
 #include "ui/model/isovalue/deviation_text.h"
@@ -14,23 +13,6 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kMostCharacters = 100; // more than any number that a person types
-constexpr int kMostQuoted = 24;
-
-/// What was typed, for a sentence about it: its beginning, without what would turn or break the sentence.
-QString quoted(const QString& text) {
-    QString kept;
-    int count = 0;
-    for (const char32_t character : text.toUcs4()) {
-        if (count++ == kMostQuoted) {
-            kept += QChar(0x2026);
-            break;
-        }
-        const bool isShown = QChar::isPrint(character) && QChar::category(character) != QChar::Other_Format;
-        kept += isShown ? QString::fromUcs4(&character, 1) : QString(QChar::ReplacementCharacter);
-    }
-    // Isolated, so that words from right to left stay between the quotation marks.
-    return QChar(0x2068) + kept + QChar(0x2069);
-}
 
 } // namespace
 
@@ -82,12 +64,12 @@ void IsovalueEdit::commit() {
 // Refuses what is none.
 std::optional<double> IsovalueEdit::typedValue() {
     if (isCut_) {
-        refuse(tr("“%1” is too long for a number").arg(quoted(text())));
+        refuse(tr("“%1” is too long for a number").arg(quotedInput(text())));
         return std::nullopt;
     }
     const auto asked = model::isovalueFrom(text().trimmed().toStdString());
     if (!asked) {
-        refuse(tr("“%1” is not a number").arg(quoted(text())));
+        refuse(tr("“%1” is not a number").arg(quotedInput(text())));
         return std::nullopt;
     }
     const auto value = asked->in(spread_.value_or(ValueSpread()));
@@ -102,16 +84,10 @@ void IsovalueEdit::refuse(const QString& reason) {
     restore();
     if (!hasFocus())
         return; // a tip would stay there for a field that nobody is in
-    // Escaped: tool tips take text with tags for a page.
-    reason_ = QStringLiteral("<qt>%1</qt>").arg(reason.toHtmlEscaped());
-    QToolTip::showText(mapToGlobal(QPoint(0, height())), reason_, this);
+    refusal_.show(*this, reason);
 }
 
-void IsovalueEdit::hideReason() {
-    const QString reason = std::exchange(reason_, QString());
-    if (!reason.isEmpty() && QToolTip::text() == reason)
-        QToolTip::hideText();
-}
+void IsovalueEdit::hideReason() { refusal_.hide(); }
 
 void IsovalueEdit::focusOutEvent(QFocusEvent* event) {
     hideReason();

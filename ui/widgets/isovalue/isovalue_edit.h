@@ -5,11 +5,13 @@
 #include <QLineEdit>
 
 #include "core/grid/value_spread.h"
+#include "ui/widgets/common/refusal_tip.h"
 
 namespace isoslider::widgets {
 
-/// A number typed in data units, or in standard deviations from the mean: taken on Enter or when the focus leaves, put back on Escape or if
-/// it is not a number, with a tip on why while the user is in it. Never rewritten while the user types.
+/// A number typed in data units, or in standard deviations from the mean: taken on Enter or when the focus leaves, put
+/// back on Escape or if it is not a number, with a tip on why while the user is in it. Never rewritten while the user
+/// types.
 class IsovalueEdit : public QLineEdit {
     Q_OBJECT
 public:
@@ -40,7 +42,7 @@ private:
 
     std::optional<ValueSpread> spread_;
     QString shownText_;
-    QString reason_; ///< as the tip has it; empty: there is none
+    RefusalTip refusal_;
     bool isCut_ = false; ///< what was put in was longer than fits: what is there is not what was meant
 };
 

@@ -14,6 +14,7 @@
 #include <QVBoxLayout>
 
 #include "ui/model/isovalue/number_text.h"
+#include "ui/widgets/common/refusal_tip.h"
 #include "ui/widgets/common/small_widgets.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
@@ -117,6 +118,11 @@ QLineEdit* ColourPanel::makeEdit(const char* name, const QString& accessibleName
     edit->setMaxLength(kMostCharacters);
     edit->setMinimumWidth(kEditWidth);
     connect(edit, &QLineEdit::editingFinished, this, &ColourPanel::takeRange);
+    connect(edit, &QLineEdit::textEdited, this, [this] {
+        refusalTip_.hide();
+        refusal_.clear();
+        showNote();
+    });
     return edit;
 }
 
@@ -150,7 +156,7 @@ void ColourPanel::makeRange(QVBoxLayout* rows) {
     rows->addWidget(note_);
 }
 
-// Both ends together: what does not ascend is not taken.
+// Both ends together: what does not ascend is not taken, and the panel states why.
 void ColourPanel::takeRange() {
     auto& colours = host_.colours();
     if ((!low_->isModified() && !high_->isModified()) || colours.colours().by == model::ColourBy::One)
@@ -163,13 +169,32 @@ void ColourPanel::takeRange() {
     if (low && high && model::isUsable({*low, *high})) {
         low_->setModified(false);
         high_->setModified(false);
+        refusal_.clear();
         colours.change([&](model::Colouring& colouring) { colouring.range = model::ColourRange{*low, *high}; });
     } else if (isMoving && low && high) {
         return; // the other end follows
+    } else {
+        refuse(low, high);
     }
     low_->setModified(false);
     high_->setModified(false);
     showRange();
+}
+
+// Also in the note: who leaves a field sees no tip there.
+void ColourPanel::refuse(const std::optional<double>& low, const std::optional<double>& high) {
+    if (!low || !high)
+        refusal_ = tr("“%1” is not a number").arg(quotedInput((low ? high_ : low_)->text()));
+    else if (*low > *high)
+        refusal_ = tr("The range was not changed: its first value, %1, is above its last, %2")
+                       .arg(quotedInput(low_->text()), quotedInput(high_->text()));
+    else if (*low == *high)
+        refusal_ = tr("The range was not changed: both its values are %1").arg(quotedInput(low_->text()));
+    else
+        refusal_ = tr("The range was not changed: it is wider than numbers reach");
+    for (QLineEdit* edit : {low_, high_})
+        if (edit->hasFocus())
+            refusalTip_.show(*edit, refusal_);
 }
 
 void ColourPanel::showColours() {
@@ -182,6 +207,9 @@ void ColourPanel::showColours() {
         if (kColourMapActions[i].map == wanted.map)
             map_->setCurrentIndex(static_cast<int>(i));
     }
+    if (shownBy_ != wanted.by) // of what is not shown any more
+        refusal_.clear();
+    shownBy_ = wanted.by;
     field_->setVisible(wanted.by == model::ColourBy::Field && wanted.field);
     if (wanted.field)
         field_->setFullText(QString::fromStdU16String(wanted.field->path.filename().u16string()));
@@ -228,7 +256,15 @@ void ColourPanel::showRange() {
     show(low_, colours.colours().range.low);
     show(high_, colours.colours().range.high);
     enableMap();
+    showNote();
+}
+
+void ColourPanel::showNote() {
+    const model::ColourModel& colours = host_.colours();
+    const bool hasValues = colours.colours().by != model::ColourBy::One;
     QStringList lines;
+    if (hasValues && !refusal_.isEmpty())
+        lines << refusal_ + QLatin1Char('.');
     if (colours.isMaking())
         lines << tr("The values are being read; see Jobs.");
     if (hasValues && !colours.wanted().range)

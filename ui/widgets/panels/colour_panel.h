@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <QWidget>
 
+#include "ui/model/colouring/colouring.h"
 #include "ui/model/observers.h"
+#include "ui/widgets/common/refusal_tip.h"
 
 class QComboBox;
 class QGridLayout;
@@ -32,6 +35,8 @@ private:
     void showColours();
     void showKeys();
     void showRange();
+    void refuse(const std::optional<double>& low, const std::optional<double>& high);
+    void showNote();
     /// What is coloured by values has a map and a range.
     void enableMap();
 
@@ -43,6 +48,9 @@ private:
     QLineEdit* low_ = nullptr;
     QLineEdit* high_ = nullptr;
     QLabel* note_ = nullptr;
+    QString refusal_; ///< why the range that was typed last was not taken; empty: it was
+    RefusalTip refusalTip_;
+    model::ColourBy shownBy_ = model::ColourBy::One;
     std::vector<QLabel*> mapNames_; ///< of the controls of map and range
     std::vector<model::Subscription> subscriptions_;
 };
