@@ -285,6 +285,22 @@ TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
     EXPECT_EQ(one.green, 0);
     EXPECT_GT(both.green, 1000);
     EXPECT_LT(both.red, one.red - 1000) << "the inner one's cap is drawn over the outer one's";
+    // The first of all colours is no other one where there is another surface.
+    const auto isIvory = [](const QColor& pixel) { // hue of it, whatever the light
+        const double red = pixel.redF(), green = pixel.greenF(), blue = pixel.blueF();
+        return std::abs(std::pow(green / red, 2.2) - 0.70 / 0.80) < 0.04 &&
+               std::abs(std::pow(blue / red, 2.2) - 0.54 / 0.80) < 0.04;
+    };
+    viewport_->setSurfaces({}, {beside});
+    const QImage image = grab(frame, clipping, {capOf(*grid, clipping.plane())});
+    std::map<QRgb, int> counts;
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x)
+            counts[image.pixel(x, y)] += isIvory(image.pixelColor(x, y));
+    int evenly = 0;
+    for (const auto& [colour, number] : counts)
+        evenly = std::max(evenly, number);
+    EXPECT_GT(evenly, 1000) << "pixels of one colour, as a cap has";
     beside.look.isVisible = false;
     EXPECT_EQ(count(red, {beside}).green, 0);
     beside.look.isVisible = true;

@@ -350,6 +350,10 @@ void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& vi
         if (surface.isOfVolume && surface.look.isVisible)
             fills.push_back({static_cast<float>(surface.frame->isovalue), surface.look.colour});
     std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
+    // Alone, the first of all colours has a cap that is apart from it; beside others a cap says whose it is.
+    for (ClipGuides::Fill& fill : fills)
+        if (fills.size() > 1 && !fill.colour)
+            fill.colour = colours_.front;
     const model::SurfaceColours colours = isColouredByField(view.options) ? view.colours : model::SurfaceColours();
     resources_->clipGuides.draw(
         clipping, view.caps,
