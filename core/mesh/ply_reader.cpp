@@ -103,6 +103,11 @@ public:
     Numbers(std::string_view rest, Encoding encoding) : rest_(rest), encoding_(encoding) {}
 
     std::size_t remaining() const { return rest_.size(); }
+    /// Besides blanks at the end of a text.
+    bool isAtEnd() const {
+        return encoding_ == Encoding::Text ? rest_.find_first_not_of(" \t\r\n") == std::string_view::npos
+                                           : rest_.empty();
+    }
 
     bool take(Type type, double& out) {
         if (encoding_ == Encoding::Text)
@@ -160,6 +165,8 @@ public:
                 ISO_TRY(readItem(element, i));
             }
         }
+        if (!numbers_.isAtEnd())
+            return makeError(ErrorCode::Corruption, "has bytes behind the last element that its header names", path_);
         ISO_TRY(checkIndices(soup_, path_));
         return std::move(soup_);
     }

@@ -234,6 +234,13 @@ TEST(CheckMeshFile, ReadsEveryKindOfPly) {
         const auto report = checkMeshFile(folder.write("a.ply", bytes));
         ASSERT_TRUE(report.isOk()) << report.error().line();
         EXPECT_DOUBLE_EQ(report.value().area, 3.0);
+        // Of a text, blank lines are nothing; other bytes behind the last face are a fault.
+        const bool isText = bytes.find("ascii") != std::string::npos;
+        EXPECT_EQ(checkMeshFile(folder.write("a.ply", bytes + "\n \n")).isOk(), isText);
+        const auto longer = checkMeshFile(folder.write("a.ply", bytes + "3 0 1 2\n"));
+        ASSERT_FALSE(longer.isOk());
+        EXPECT_EQ(longer.error().code, ErrorCode::Corruption);
+        EXPECT_EQ(longer.error().message, "has bytes behind the last element that its header names");
     }
 }
 
