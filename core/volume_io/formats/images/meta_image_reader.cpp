@@ -309,6 +309,22 @@ bool isPatientSpace(const Fields& fields, const GridGeometry& geometry) {
     return code.size() == 3 && std::ranges::all_of(kDirections, isOneOf) && (hasMatrix || code == "RAI");
 }
 
+/// What makes intensities of the stored values. ITK leaves them as they are stored, so that is noted.
+std::optional<Rescale> readMetaRescale(const Fields& fields, VolumeInfo& info) {
+    const std::string_view slopeText = valueOr(fields, "ElementToIntensityFunctionSlope", "1");
+    const std::string_view offsetText = valueOr(fields, "ElementToIntensityFunctionOffset", "0");
+    const auto slope = parseReal(slopeText), offset = parseReal(offsetText);
+    if (!slope || !offset || !std::isfinite(*slope) || !std::isfinite(*offset) || *slope == 0.0) {
+        info.notes.push_back("ElementToIntensityFunctionSlope or Offset is not usable as a number and is ignored");
+        return std::nullopt;
+    }
+    if (*slope == 1.0 && *offset == 0.0)
+        return std::nullopt;
+    info.notes.push_back("samples are the stored values times " + std::string(slopeText) + " plus " +
+                         std::string(offsetText) + ", as ElementToIntensityFunctionSlope and Offset state");
+    return Rescale{*slope, *offset};
+}
+
 } // namespace
 
 Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const ReadOptions& options) {
@@ -336,7 +352,8 @@ Result<std::unique_ptr<VolumeSource>> openMetaImage(const fs::path& path, const 
     const bool isBig = image.how.encoding == Encoding::Text
                            ? std::endian::native == std::endian::big
                            : isTrue(fields, "BinaryDataByteOrderMSB") || isTrue(fields, "ElementByteOrderMSB");
-    SampleLayout layout{image.type, isBig, std::nullopt, image.field.components, choice.value().component, 0};
+    SampleLayout layout{
+        image.type, isBig, readMetaRescale(fields, info), image.field.components, choice.value().component, 0};
     layout.firstValue =
         static_cast<std::uint64_t>(choice.value().frame * pointCount(image.field.dims) * image.field.components);
     return makeSampleSource(std::move(info), layout, std::move(bytes).value(), path);

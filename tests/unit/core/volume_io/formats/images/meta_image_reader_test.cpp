@@ -155,6 +155,34 @@ TEST_F(MetaImageReader, ReadsNumbersAsText) {
                 HasSubstr("BinaryData"));
 }
 
+TEST_F(MetaImageReader, AppliesSlopeAndOffset) {
+    const auto with = [&](const std::string& fields) {
+        return openVolume(folder.write("a.mhd", replaced(test::mhaHeader(), "NDims", fields + "NDims") +
+                                                    test::ramp<std::int16_t>(24)));
+    };
+    auto source = with("ElementToIntensityFunctionSlope = 0.5\nElementToIntensityFunctionOffset = -3\n");
+    ASSERT_THAT(source, test::IsOk());
+    ASSERT_EQ(source.value()->info().notes.size(), 1u);
+    EXPECT_EQ(source.value()->info().notes[0], "samples are the stored values times 0.5 plus -3, as "
+                                               "ElementToIntensityFunctionSlope and Offset state");
+    const auto grid = readVolume(folder / "a.mhd");
+    ASSERT_THAT(grid, test::IsOk());
+    ASSERT_EQ(grid.value()->type(), ScalarType::F32);
+    EXPECT_EQ(grid.value()->values<float>()[23], 8.5F);
+    source = with("ElementToIntensityFunctionSlope = 1\nElementToIntensityFunctionOffset = 0\n");
+    ASSERT_THAT(source, test::IsOk());
+    EXPECT_TRUE(source.value()->info().notes.empty());
+    EXPECT_EQ(source.value()->info().type, ScalarType::I16);
+    for (const char* fields : {"ElementToIntensityFunctionSlope = 0\n", "ElementToIntensityFunctionSlope = two\n",
+                               "ElementToIntensityFunctionOffset = nan\n"}) {
+        source = with(fields);
+        ASSERT_THAT(source, test::IsOk());
+        EXPECT_EQ(source.value()->info().type, ScalarType::I16);
+        ASSERT_EQ(source.value()->info().notes.size(), 1u) << fields;
+        EXPECT_THAT(source.value()->info().notes[0], HasSubstr("is ignored"));
+    }
+}
+
 TEST_F(MetaImageReader, B053_LetsBytesBehindPackedSamplesPassWhenAllowed) {
     const std::string header = replaced(test::mhaHeader(), "CompressedData = False", "CompressedData = True");
     EXPECT_EQ(samples(header + test::packed(test::ramp<std::int16_t>(24), 15))[23], 23); // no size given
