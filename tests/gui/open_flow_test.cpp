@@ -99,13 +99,37 @@ TEST_F(FakeReadersTest, AFolderOfSeveralSeriesAsksWhich) {
     EXPECT_EQ(session_->dataset()->max, 1498.0);
 }
 
-TEST_F(FakeReadersTest, AFolderOfOneSeriesOpensAtOnce) {
+// As a file does: dropped, and where previews are not wanted.
+TEST_F(FakeReadersTest, AFolderOfOneSeriesOpensAtOnceWhereNoPreviewIsWanted) {
     contents_.fields.pop_back();
     fs::create_directory(folder_ / "study");
+    fs::create_directory(folder_ / "dropped");
+    settings_->set("files/previewsFirst", false);
     dialogs_.answers.push_back(qpath(folder_ / "study"));
     trigger("file.openFolder");
     ASSERT_TRUE(waitForSurface());
     EXPECT_EQ(window_->findChild<QDialog*>(), nullptr);
+    EXPECT_EQ(session_->dataset()->name, "study");
+    settings_->set("files/previewsFirst", true);
+    drop(folder_ / "dropped");
+    ASSERT_TRUE(waitUntil([this] { return session_->dataset()->name == "dropped"; }));
+    EXPECT_EQ(window_->findChild<QDialog*>(), nullptr);
+}
+
+TEST_F(FakeReadersTest, AFolderOfOneSeriesHasAPreview) {
+    contents_.fields.pop_back();
+    fs::create_directory(folder_ / "study");
+    dialogs_.answers.push_back(qpath(folder_ / "study"));
+    trigger("file.openFolder");
+    auto* shown = dialog("volumeDialog");
+    ASSERT_TRUE(waitForPreview(shown));
+    EXPECT_EQ(shown->windowTitle(), QStringLiteral("Open Folder"));
+    EXPECT_EQ(session_->dataset(), nullptr);
+    expectLegible(shown);
+    expectNamed(shown);
+    keepPicture(*shown, "open-one-series");
+    QTest::mouseClick(shown->findChild<QPushButton*>(QStringLiteral("volumeOpen")), Qt::LeftButton);
+    ASSERT_TRUE(waitForSurface());
     EXPECT_EQ(session_->dataset()->name, "study");
 }
 

@@ -58,7 +58,7 @@ void OpenFlow::askFolder() {
     dialogs_.askFolder(window_, tr("Open Folder of Slices"), settings_.text(kFolderSetting),
                        [this](const QString& path) {
                            settings_.set(kFolderSetting, QFileInfo(path).path());
-                           openPath(path);
+                           preview(path);
                        });
 }
 
