@@ -71,6 +71,23 @@ bool unifyMarks(std::string& text) {
     return true;
 }
 
+constexpr int kMeasureFigures = 7; // of a mesh: what its 32-bit floats hold
+constexpr int kEstimateFigures = 4;
+
+/// "12345.67" as "12,345.67"; numbers below 10,000, and those with an exponent, stay as they are.
+std::string grouped(std::string text) {
+    constexpr std::size_t kLeast = 5, kGroup = 3; // digits
+    const std::size_t first = text.starts_with('-') ? 1 : 0;
+    const std::size_t point = std::min(text.find_first_not_of("0123456789", first), text.size());
+    if (point < first + kLeast || text.find('e') != std::string::npos)
+        return text;
+    for (std::size_t at = point; at > first + kGroup;) {
+        at -= kGroup;
+        text.insert(at, 1, ',');
+    }
+    return text;
+}
+
 } // namespace
 
 std::string groupedText(std::uint64_t value) {
@@ -109,10 +126,14 @@ std::string valueText(double value, int digits) {
 std::string measureText(double value, int digits) {
     const double size = std::abs(value);
     if (!(size >= std::pow(10.0, digits) - 0.5 && size < 1e15)) // from there on, valueText has an exponent
-        return valueText(value, digits);
+        return grouped(valueText(value, digits));
     const double unit = std::pow(10.0, std::floor(std::log10(size)) - digits + 1);
     return groupedText(static_cast<std::int64_t>(std::round(value / unit) * unit));
 }
+
+std::string measureText(double value) { return measureText(value, kMeasureFigures); }
+
+std::string estimateText(double value) { return "\xE2\x89\x88 " + measureText(value, kEstimateFigures); } // ≈
 
 std::string exactText(double value) {
     if (value == 0.0)

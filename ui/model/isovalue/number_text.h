@@ -16,8 +16,13 @@ std::string compactText(std::uint64_t value);
 std::string bytesText(std::uint64_t bytes);
 /// Shortest text with `digits` significant figures that reads naturally: "1016.53", "1.5e-07".
 std::string valueText(double value, int digits = 6);
-/// The same of measures that may be large: "290,200" rather than "2.902e+05" up to 10^15.
+/// The same of measures that may be large: "290,200" rather than "2.902e+05" up to 10^15. Digits are grouped from
+/// 10,000 on.
 std::string measureText(double value, int digits);
+/// Lengths, areas and volumes as they are stated everywhere: those of a mesh as "35,112.47", and what is known to some
+/// tenths of a percent as "≈ 35,110".
+std::string measureText(double value);
+std::string estimateText(double value);
 /// The shortest text that reads as just this number, where that takes at most 12 figures; with 8 figures otherwise.
 std::string exactText(double value);
 /// `value` with the digits that differences of `resolution` need: 92.3877 at 0.2 is "92.4", 100 at 20 is "100".

@@ -15,7 +15,7 @@ std::string inUnit(std::string number, const std::string& unit, int power) {
 std::string countText(double count) { return groupedText(static_cast<std::int64_t>(std::clamp(count, -9e18, 9e18))); }
 
 std::string valueInUnit(QueryQuantity quantity, double value, const std::string& unit) {
-    return isCount(quantity) ? countText(value) : inUnit(valueText(value, 5), unit, lengthPower(quantity));
+    return isCount(quantity) ? countText(value) : inUnit(measureText(value), unit, lengthPower(quantity));
 }
 
 // "7 pieces", "an area of 12 mm²", "a volume of 12 mm³ above it"

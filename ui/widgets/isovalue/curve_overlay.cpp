@@ -173,7 +173,7 @@ void CurveOverlay::showCurves() {
 QString CurveOverlay::valueText(TopologyQuantity quantity, double value) const {
     const auto* dataset = session_.dataset();
     const std::string unit = dataset != nullptr ? dataset->lengthUnit : std::string();
-    const QString number = fromStd(model::valueText(value, 4));
+    const QString number = fromStd(model::estimateText(value));
     switch (quantity) {
         case TopologyQuantity::Area: return inLengthUnit(number, unit, 2);
         case TopologyQuantity::Volume: return inLengthUnit(number, unit, 3);

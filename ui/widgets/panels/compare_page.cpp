@@ -167,7 +167,7 @@ void ComparePage::showSides(const model::Comparison& comparison) {
     rows.push_back({tr("Boundary loops"), grouped(before.loops), grouped(after.loops)});
     if (comparison.measuresBefore && comparison.measuresAfter) {
         const auto inUnit = [&](double measure, int power) {
-            return inLengthUnit(fromStd(model::valueText(measure, 4)), unit, power);
+            return inLengthUnit(fromStd(model::estimateText(measure)), unit, power);
         };
         rows.push_back(
             {tr("Area"), inUnit(comparison.measuresBefore->area, 2), inUnit(comparison.measuresAfter->area, 2)});
@@ -194,7 +194,7 @@ void ComparePage::showBetween(const model::Comparison& comparison) {
     pieces_->setFacts(pieces);
     if (comparison.volumeBetween)
         facts.push_back({tr("Volume between"),
-                         inLengthUnit(fromStd(model::valueText(*comparison.volumeBetween, 4)),
+                         inLengthUnit(fromStd(model::estimateText(*comparison.volumeBetween)),
                                       dataset != nullptr ? dataset->lengthUnit : std::string(), 3),
                          tr("About: between the isovalues measured, volumes are interpolated")});
     others_->setFacts(facts);

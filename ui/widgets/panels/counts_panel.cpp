@@ -20,7 +20,6 @@ namespace {
 using model::TopologyQuantity;
 
 constexpr int kShowIntervalMs = 60;
-constexpr int kMeasureFigures = 4; // curves are interpolated between some hundred isovalues
 
 std::vector<Fact> surfaceFacts(const model::Session& session) {
     const auto frame = session.frame();
@@ -56,7 +55,7 @@ std::vector<Fact> measureFacts(const model::Session& session, double isovalue) {
         const auto value = topology.valueAt(quantity, isovalue);
         if (!value)
             return;
-        const QString number = QStringLiteral("≈ ") + fromStd(model::measureText(*value, kMeasureFigures));
+        const QString number = fromStd(model::estimateText(*value));
         facts.push_back({name, power > 0 ? inLengthUnit(number, unit, power) : perLengthUnit(number, unit), tip});
     };
     add(TopologyQuantity::Area, CountsPanel::tr("Area"), 2,

@@ -231,7 +231,7 @@ void FindPage::showPresentValue() {
         if (const auto value = model::valueAt(*summary, quantity, isovalue.displayed()); value.isOk())
             text = tr("now %1").arg(fromStd(model::isCount(quantity)
                                                 ? model::groupedText(static_cast<std::int64_t>(value.value()))
-                                                : model::valueText(value.value(), 5)));
+                                                : model::estimateText(value.value())));
     value_->setPlaceholderText(text);
 }
 

@@ -110,8 +110,9 @@ std::vector<Fact> factsOf(const mesh::Certificate& certificate, const std::strin
         {tr("Euler number"), grouped(report.euler), tr("Vertices − edges + triangles")},
         {tr("Boundary loops"), grouped(report.boundaryLoops), {}},
         {tr("Genus"), hasGenus ? grouped(report.genus) : QStringLiteral("–"), tr("Tunnels, summed over components")},
-        {tr("Area"), inLengthUnit(number(report.area), unit, 2), unitTip},
-        {tr("Enclosed volume"), report.isClosed ? inLengthUnit(number(report.enclosedVolume), unit, 3) : tr("– (open)"),
+        {tr("Area"), inLengthUnit(fromStd(model::measureText(report.area)), unit, 2), unitTip},
+        {tr("Enclosed volume"),
+         report.isClosed ? inLengthUnit(fromStd(model::measureText(report.enclosedVolume)), unit, 3) : tr("– (open)"),
          tr("Inside a closed mesh. The volume above the isovalue, which the sides of the box may bound as well, is among "
             "the counts") +
              (unit.empty() ? QLatin1Char('\n') + unitTip : QString())},

@@ -32,7 +32,7 @@ QString boxText(const extract::Piece& piece, const GridGeometry& geometry, const
 QString volumeText(const extract::PieceMeasures& measures, const std::string& unit) {
     if (!measures.isClosed)
         return PieceDetails::tr("– (open)");
-    const QString volume = inLengthUnit(lengthText(std::abs(measures.volume)), unit, 3);
+    const QString volume = inLengthUnit(fromStd(model::measureText(std::abs(measures.volume))), unit, 3);
     return measures.volume < 0.0 ? PieceDetails::tr("%1 of lower values").arg(volume) : volume;
 }
 
@@ -153,12 +153,13 @@ void PieceDetails::showFacts() {
         return form_->setFacts({});
     const extract::Piece& piece = frame_->pieces->pieces()[*piece_];
     const QString waiting = QStringLiteral("…");
-    form_->setFacts({{tr("Piece %1").arg(piece.id.number() + 1), tr("%1 triangles").arg(grouped(piece.triangles)), {}},
-                     {tr("Box"), boxText(piece, frame_->geometry, unit_), tr("To one step of the grid")},
-                     {tr("Area"), measures_ ? inLengthUnit(lengthText(measures_->area), unit_, 2) : waiting, {}},
-                     {tr("Enclosed volume"), measures_ ? volumeText(*measures_, unit_) : waiting,
-                      tr("Of a piece that is closed. Around lower values it is a hollow")},
-                     persistenceFact(persistence_)});
+    form_->setFacts(
+        {{tr("Piece %1").arg(piece.id.number() + 1), tr("%1 triangles").arg(grouped(piece.triangles)), {}},
+         {tr("Box"), boxText(piece, frame_->geometry, unit_), tr("To one step of the grid")},
+         {tr("Area"), measures_ ? inLengthUnit(fromStd(model::measureText(measures_->area)), unit_, 2) : waiting, {}},
+         {tr("Enclosed volume"), measures_ ? volumeText(*measures_, unit_) : waiting,
+          tr("Of a piece that is closed. Around lower values it is a hollow")},
+         persistenceFact(persistence_)});
 }
 
 } // namespace isoslider::widgets

@@ -50,6 +50,13 @@ TEST(NumberText, MeasuresAreGroupedWhereTheyAreLarge) {
     EXPECT_EQ(measureText(1.2345678e15, 4), "1.235e+15");
     EXPECT_EQ(measureText(1.5e-7, 4), "1.5e-07");
     EXPECT_EQ(measureText(HUGE_VAL, 4), "inf");
+    EXPECT_EQ(measureText(9999.25), "9999.25");
+    EXPECT_EQ(measureText(35112.468), "35,112.47");
+    EXPECT_EQ(measureText(-1234567.8), "-1,234,568");
+    EXPECT_EQ(measureText(123456.0), "123,456");
+    EXPECT_EQ(measureText(12345678.0), "12,345,680");
+    EXPECT_EQ(estimateText(209'812.0), "\xE2\x89\x88 209,800");
+    EXPECT_EQ(estimateText(0.012346), "\xE2\x89\x88 0.01235");
     EXPECT_EQ(millisecondsText(0.417), "0.42 ms");
     EXPECT_EQ(millisecondsText(18.34), "18.3 ms");
     EXPECT_EQ(millisecondsText(1240.0), "1.24 s");

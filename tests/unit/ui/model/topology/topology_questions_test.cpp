@@ -294,7 +294,7 @@ TEST_F(QuestionModelTest, AnswersInWords) {
     EXPECT_EQ(answerTo(QueryQuantity::Area, "51"), "No isovalue has an area of 51 mm²; the most is 50 mm²");
     EXPECT_EQ(question_.answerText(""), "No isovalue has an area of 51 units²; the most is 50 units²");
     EXPECT_EQ(answerTo(QueryQuantity::Volume, "1e9"),
-              "No isovalue has a volume of 1e+09 mm³ above it; the most is 100 mm³");
+              "No isovalue has a volume of 1,000,000,000 mm³ above it; the most is 100 mm³");
     EXPECT_EQ(answerTo(QueryQuantity::Pieces, "2.5"), "Only whole numbers are counted");
     EXPECT_EQ(question_.state(), QuestionState::Invalid);
     EXPECT_EQ(answerTo(QueryQuantity::Pieces, "  "), "");
