@@ -1,8 +1,12 @@
 // What dialogs for files are given: folder, name, suffix and filters.
 #include <QAction>
+#include <QCheckBox>
+#include <QComboBox>
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
+#include <QPushButton>
+#include <QSpinBox>
 #include <QTest>
 
 #include "tests/gui/window_fixture.h"
@@ -122,6 +126,49 @@ TEST_F(FileDialogsTest, OnlyWhatIsThereCanBeOpened) {
     EXPECT_EQ(dialog->fileMode(), QFileDialog::Directory);
     EXPECT_TRUE(dialog->testOption(QFileDialog::ShowDirsOnly));
     delete dialog;
+}
+
+TEST_F(FileDialogsTest, APictureIsTheViewSomeTimesLargerOrOfAWidth) {
+    widgets::PlatformFileDialogs platform;
+    std::optional<widgets::PictureChoice> chosen;
+    const auto ask = [&](const widgets::PictureChoice& last) {
+        chosen.reset();
+        platform.askPicture(window_.get(), last, QSize(800, 500), [&](const auto& choice) { chosen = choice; });
+        return window_->findChild<QDialog*>(QStringLiteral("pictureDialog"));
+    };
+    auto* dialog = ask({});
+    ASSERT_NE(dialog, nullptr);
+    auto* scale = dialog->findChild<QComboBox*>(QStringLiteral("pictureScale"));
+    auto* width = dialog->findChild<QSpinBox*>(QStringLiteral("pictureWidth"));
+    EXPECT_EQ(scale->currentIndex(), 0);
+    EXPECT_EQ(width->value(), 800);
+    EXPECT_FALSE(width->isEnabled());
+    scale->setCurrentIndex(2);
+    EXPECT_EQ(width->value(), 3200);
+    scale->setCurrentIndex(3);
+    EXPECT_TRUE(width->isEnabled());
+    EXPECT_EQ(width->value(), 1920) << "the last that was typed";
+    width->setValue(1000);
+    dialog->findChild<QCheckBox*>(QStringLiteral("pictureTransparent"))->setChecked(true);
+    keepPicture(*dialog, "picture_dialog");
+    dialog->findChild<QPushButton*>(QStringLiteral("pictureSave"))->click();
+    ASSERT_TRUE(chosen);
+    EXPECT_EQ(*chosen, (widgets::PictureChoice{0, 1000, true}));
+    EXPECT_EQ(chosen->sizeOf({800, 500}), QSize(1000, 625));
+    delete dialog;
+    dialog = ask(*chosen);
+    ASSERT_NE(dialog, nullptr);
+    EXPECT_EQ(dialog->findChild<QSpinBox*>(QStringLiteral("pictureWidth"))->value(), 1000);
+    dialog->reject();
+    EXPECT_FALSE(chosen);
+    delete dialog;
+}
+
+TEST(PictureChoice, KeepsTheProportionsAndALimit) {
+    EXPECT_EQ((widgets::PictureChoice{4, 0, false}.sizeOf({801, 333})), QSize(3204, 1332));
+    EXPECT_EQ((widgets::PictureChoice{0, 16384, false}.sizeOf({400, 800})), QSize(8192, 16384));
+    EXPECT_EQ((widgets::PictureChoice{4, 0, false}.sizeOf({8000, 10})), QSize(16384, 20));
+    EXPECT_TRUE((widgets::PictureChoice{1, 0, false}.sizeOf({})).isEmpty());
 }
 
 } // namespace

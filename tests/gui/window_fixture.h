@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <QString>
@@ -47,6 +48,16 @@ public:
                  Chosen chosen) override {
         answer({title, suggestion, filters}, chosen);
     }
+    void askPicture(QWidget*, const widgets::PictureChoice& last, QSize view,
+                    std::function<void(const widgets::PictureChoice&)> chosen) override {
+        lastPicture = last;
+        viewPixels = view;
+        chosen(picture.value_or(last));
+    }
+    /// Chosen for the next picture; none: as it was last.
+    std::optional<widgets::PictureChoice> picture;
+    widgets::PictureChoice lastPicture;
+    QSize viewPixels;
 
 private:
     void answer(const Asked& given, const Chosen& chosen) {

@@ -1,6 +1,8 @@
 // What the window writes, it writes on other threads: its own never waits for a disk.
 #include <QAction>
 #include <QImage>
+#include <QLabel>
+#include <QPainter>
 #include <QTest>
 #include <QThread>
 #include <QToolButton>
@@ -11,6 +13,7 @@
 #include "ui/model/session/saved_session.h"
 #include "ui/render/gl_support.h"
 #include "ui/widgets/viewport/picture_file.h"
+#include "ui/widgets/viewport/picture_halo.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
@@ -95,6 +98,60 @@ TEST_F(WritingTest, APictureIsWrittenByAnotherThread) {
     EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Image saved")));
     EXPECT_FALSE(QImage(qpath(folder_ / "view.png")).isNull());
     expectOthersWaited();
+}
+
+TEST_F(WritingTest, APictureHasTheSizeAndBackgroundThatWereChosen) {
+    if (window_->viewportHost().viewport() == nullptr)
+        GTEST_SKIP() << "no OpenGL 3.3 here";
+    const auto saved = [this](const char* name, std::optional<widgets::PictureChoice> choice) {
+        window_->messageBar().hide();
+        dialogs_.picture = choice;
+        dialogs_.answers.push_back(qpath(folder_ / name));
+        trigger("file.saveImage");
+        EXPECT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+        EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("Image saved")))
+            << window_->messageBar().text().toStdString();
+        window_->messageBar().hide();
+        QApplication::processEvents();
+        return QImage(qpath(folder_ / name));
+    };
+    trigger("colour.x");
+    trigger("view.ticks");
+    ASSERT_TRUE(waitUntil([this] { return child<QWidget>("colourBar")->isVisible(); }));
+    const QImage plain = saved("plain.png", std::nullopt);
+    const QSize view = dialogs_.viewPixels;
+    EXPECT_EQ(plain.size(), view);
+    EXPECT_FALSE(plain.hasAlphaChannel());
+    const QImage twice = saved("twice.png", widgets::PictureChoice{2, 1920, false});
+    EXPECT_EQ(twice.size(), 2 * dialogs_.viewPixels);
+    const QImage transparent = saved("transparent.png", widgets::PictureChoice{0, 700, true});
+    EXPECT_EQ(transparent.width(), 700);
+    EXPECT_NEAR(transparent.height(), 700.0 * dialogs_.viewPixels.height() / dialogs_.viewPixels.width(), 1.0);
+    ASSERT_TRUE(transparent.hasAlphaChannel());
+    const QRect middle(transparent.rect().center() - QPoint(3, 3), QSize(6, 6));
+    EXPECT_EQ(qAlpha(transparent.pixel(middle.center())), 255) << "the ball is opaque";
+    EXPECT_EQ(qAlpha(transparent.pixel(transparent.width() / 4, 1)), 0);
+    QLabel page;
+    page.setStyleSheet(QStringLiteral("background: white"));
+    page.setPixmap(QPixmap::fromImage(transparent));
+    keepPicture(page, "transparent_on_white");
+    saved("again.png", std::nullopt);
+    EXPECT_EQ(dialogs_.lastPicture, (widgets::PictureChoice{0, 700, true})) << "as it was last";
+    dialogs_.answers.push_back(qpath(folder_ / "view.jpg"));
+    trigger("file.saveImage");
+    ASSERT_TRUE(waitUntil([this] { return window_->messageBar().isVisible(); }));
+    EXPECT_TRUE(window_->messageBar().text().contains(QStringLiteral("end its name in .png")));
+}
+
+TEST(PictureHalo, SurroundsWhatIsDrawn) {
+    QImage drawn(40, 40, QImage::Format_ARGB32_Premultiplied);
+    drawn.fill(Qt::transparent);
+    QPainter(&drawn).fillRect(15, 15, 10, 10, Qt::white);
+    const QImage halo = widgets::withHalo(drawn, QColor(0, 0, 0, 150), 3.0);
+    EXPECT_EQ(halo.pixel(20, 20), qRgb(255, 255, 255)) << "what is drawn stays as it is";
+    EXPECT_GT(qAlpha(halo.pixel(13, 20)), 120);
+    EXPECT_LT(qRed(halo.pixel(13, 20)), 20);
+    EXPECT_EQ(qAlpha(halo.pixel(10, 20)), 0) << "beyond its width";
 }
 
 TEST_F(WritingTest, APictureThatCannotBeWrittenIsTold) {

@@ -1,10 +1,20 @@
 // Who asks for pictures never waits for them: a draft comes first, the newest view wins, and at rest it is whole.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <QElapsedTimer>
+#include <QPainter>
 #include <QThread>
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
+#include "core/extract/full_extraction.h"
+#include "core/grid/scalar_grid.h"
 #include "ui/render/gl_support.h"
+#include "ui/render/scene_renderer.h"
 #include "ui/render/scene_thread.h"
 
 namespace isoslider::test {
@@ -77,6 +87,79 @@ TEST_F(SceneThreadTest, AnOrderedPictureIsThatOfItsView) {
     ASSERT_TRUE(picture);
     EXPECT_EQ(*picture, expected);
     EXPECT_EQ(scene_->take().serial, shown) << "nobody is shown it";
+}
+
+std::shared_ptr<const extract::SurfaceFrame> ballFrame() {
+    constexpr int kBallPoints = 20;
+    GridGeometry geometry;
+    geometry.dims = {kBallPoints, kBallPoints, kBallPoints};
+    std::vector<float> values;
+    for (int z = 0; z < kBallPoints; ++z)
+        for (int y = 0; y < kBallPoints; ++y)
+            for (int x = 0; x < kBallPoints; ++x)
+                values.push_back(-static_cast<float>(glm::length(glm::dvec3(x, y, z) - (kBallPoints - 1) / 2.0)));
+    auto mesh = extract::extractFull(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values), -7.0).value();
+    auto frame = std::make_shared<extract::SurfaceFrame>();
+    frame->geometry = geometry;
+    frame->isovalue = -7.0;
+    frame->indices = std::move(mesh.triangles);
+    frame->positions = std::move(mesh.positions);
+    frame->normals = std::move(mesh.normals);
+    frame->stats.triangles = frame->indices.size() / 3;
+    return frame;
+}
+
+// Laid over any background, it is the picture with that background.
+TEST_F(SceneThreadTest, AnOrderedPictureCanHaveNoBackground) {
+    view_.pixels = {300, 240};
+    view_.frame = ballFrame();
+    view_.camera.reset(render::sceneRadius(view_.frame->geometry));
+    view_.look.opacity = 0.5F; // part of what is behind comes through
+    const auto ordered = [this](const render::SceneView& view, bool isTransparent) {
+        const auto order = std::make_shared<render::PictureOrder>(view, isTransparent);
+        scene_->order(order);
+        return order->waitFor(std::chrono::seconds(20)).value_or(QImage());
+    };
+    const QImage transparent = ordered(view_, true);
+    ASSERT_EQ(transparent.format(), QImage::Format_ARGB32_Premultiplied);
+    EXPECT_EQ(qAlpha(transparent.pixel(2, 2)), 0);
+    int partly = 0, most = 0;
+    for (int y = 0; y < transparent.height(); ++y)
+        for (int x = 0; x < transparent.width(); ++x) {
+            partly += qAlpha(transparent.pixel(x, y)) > 90 && qAlpha(transparent.pixel(x, y)) < 230;
+            most = std::max(most, qAlpha(transparent.pixel(x, y)));
+        }
+    EXPECT_GT(partly, 1000);
+    EXPECT_GT(most, 120);
+    for (const QColor& behind : {QColor(0, 0, 0), QColor(255, 255, 255), QColor(40, 160, 220)}) {
+        QImage laid(transparent.size(), QImage::Format_RGB32);
+        laid.fill(behind);
+        QPainter(&laid).drawImage(0, 0, transparent);
+        render::SceneView view = view_;
+        view.plainBackground = glm::vec3(behind.redF(), behind.greenF(), behind.blueF());
+        const QImage expected = ordered(view, false);
+        ASSERT_EQ(expected.size(), laid.size());
+        int largest = 0;
+        for (int y = 0; y < laid.height(); ++y)
+            for (int x = 0; x < laid.width(); ++x)
+                largest = std::max({largest, std::abs(qRed(laid.pixel(x, y)) - qRed(expected.pixel(x, y))),
+                                    std::abs(qGreen(laid.pixel(x, y)) - qGreen(expected.pixel(x, y))),
+                                    std::abs(qBlue(laid.pixel(x, y)) - qBlue(expected.pixel(x, y)))});
+        EXPECT_LE(largest, 4) << behind.name().toStdString();
+    }
+}
+
+TEST_F(SceneThreadTest, WhatIsLargerThanTheCardDrawsIsNotDrawn) {
+    view_.pixels = {1'000'000, 8};
+    const auto order = std::make_shared<render::PictureOrder>(view_);
+    scene_->order(order);
+    const auto picture = order->waitFor(std::chrono::seconds(20));
+    ASSERT_TRUE(picture);
+    EXPECT_TRUE(picture->isNull());
+    view_.pixels = {300, 240};
+    const auto next = std::make_shared<render::PictureOrder>(view_);
+    scene_->order(next);
+    EXPECT_EQ(next->waitFor(std::chrono::seconds(20)).value_or(QImage()).size(), QSize(300, 240));
 }
 
 TEST_F(SceneThreadTest, AnOrderedPictureGivesWayButIsDrawnInTheEnd) {

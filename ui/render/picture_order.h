@@ -15,9 +15,12 @@ namespace isoslider::render {
 /// besides those that are shown. Any number of threads at once.
 class PictureOrder {
 public:
-    explicit PictureOrder(SceneView view) : view_(std::move(view)) {}
+    /// `isTransparent`: what is drawn, without a background, which takes two pictures.
+    explicit PictureOrder(SceneView view, bool isTransparent = false)
+        : view_(std::move(view)), isTransparent_(isTransparent) {}
 
     const SceneView& view() const { return view_; }
+    bool isTransparent() const { return isTransparent_; }
     /// It is not wanted any more: what is being drawn of it ends soon.
     void cancel();
     bool isCancelled() const;
@@ -34,6 +37,7 @@ private:
     using Clock = std::chrono::steady_clock;
 
     const SceneView view_;
+    const bool isTransparent_;
     mutable std::mutex mutex_; ///< over all below
     std::condition_variable wasSettled_;
     std::optional<QImage> picture_;

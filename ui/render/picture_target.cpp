@@ -1,7 +1,10 @@
 #include "ui/render/picture_target.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
+
+#include <glm/common.hpp>
 
 namespace isoslider::render {
 
@@ -9,6 +12,12 @@ PictureTarget::PictureTarget(Gl& gl, int samples) : gl_(gl) {
     GLint most = 0;
     gl_.glGetIntegerv(GL_MAX_SAMPLES, &most);
     samples_ = std::clamp(samples, 0, static_cast<int>(most));
+    GLint side = 0, textureSide = 0;
+    gl_.glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &side);
+    gl_.glGetIntegerv(GL_MAX_TEXTURE_SIZE, &textureSide);
+    std::array<GLint, 2> viewport{};
+    gl_.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
+    most_ = glm::min(glm::ivec2(viewport[0], viewport[1]), glm::ivec2(std::min(side, textureSide)));
     gl_.glGenRenderbuffers(1, &colour_);
     gl_.glGenRenderbuffers(1, &depth_);
     gl_.glGenFramebuffers(1, &drawn_);
@@ -28,7 +37,8 @@ PictureTarget::~PictureTarget() {
 }
 
 bool PictureTarget::bind(glm::ivec2 pixels) {
-    if (pixels != pixels_ && !allocate(pixels)) {
+    const bool isTooLarge = pixels.x > most_.x || pixels.y > most_.y;
+    if (isTooLarge || (pixels != pixels_ && !allocate(pixels))) {
         pixels_ = glm::ivec2(0);
         return false;
     }
@@ -37,6 +47,7 @@ bool PictureTarget::bind(glm::ivec2 pixels) {
 }
 
 bool PictureTarget::allocate(glm::ivec2 pixels) {
+    while (gl_.glGetError() != GL_NO_ERROR) {}
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, drawn_);
     const auto attach = [&](GLuint buffer, GLenum format, GLenum place) {
         gl_.glBindRenderbuffer(GL_RENDERBUFFER, buffer);
@@ -47,7 +58,7 @@ bool PictureTarget::allocate(glm::ivec2 pixels) {
     attach(depth_, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
     gl_.glBindRenderbuffer(GL_RENDERBUFFER, 0);
     pixels_ = pixels;
-    return gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    return gl_.glGetError() == GL_NO_ERROR && gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
 void PictureTarget::allocate(PictureTexture& texture, glm::ivec2 pixels) {

@@ -26,7 +26,7 @@ public:
 
     /// Forgets everything on the GPU without a call to it, and makes no other: the context is gone.
     void abandon() { drawn_ = 0; }
-    /// Binds it as the framebuffer to draw to. False if there is no memory for it.
+    /// Binds it as the framebuffer to draw to. False if there is no memory for it, or it is larger than the card draws.
     bool bind(glm::ivec2 pixels);
     /// Brings what was drawn into the texture, which becomes as large, and is made first where its name is 0.
     void resolve(PictureTexture& texture);
@@ -39,6 +39,7 @@ private:
 
     Gl& gl_;
     int samples_;
+    glm::ivec2 most_{0}; ///< pixels
     glm::ivec2 pixels_{0};
     GLuint colour_ = 0, depth_ = 0; ///< renderbuffers
     GLuint drawn_ = 0, resolved_ = 0; ///< framebuffers

@@ -277,7 +277,7 @@ bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::functi
     gl.glDepthMask(GL_TRUE);
     gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     gl.glDisable(GL_CULL_FACE);
-    drawBackground(view.options.stage.background);
+    drawBackground(view);
     if (!frame_ && view.inactive.empty())
         return true;
     const Matrices ofVolume = matricesOf(volume_, view);
@@ -304,14 +304,15 @@ bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::functi
     return true;
 }
 
-void SceneRenderer::drawBackground(model::Background background) {
+void SceneRenderer::drawBackground(const SceneView& view) {
+    const StageColours staged = coloursOf(view.options.stage.background);
     auto& gl = resources_->gl;
     auto& program = *resources_->backgroundProgram;
     gl.glDisable(GL_DEPTH_TEST);
     gl.glDisable(GL_BLEND);
     program.bind();
-    program.setUniformValue("bottomColour", toQt(coloursOf(background).bottom));
-    program.setUniformValue("topColour", toQt(coloursOf(background).top));
+    program.setUniformValue("bottomColour", toQt(view.plainBackground.value_or(staged.bottom)));
+    program.setUniformValue("topColour", toQt(view.plainBackground.value_or(staged.top)));
     gl.glBindVertexArray(resources_->emptyArray);
     gl.glDrawArrays(GL_TRIANGLES, 0, 3);
     gl.glBindVertexArray(0);
@@ -349,11 +350,11 @@ void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& vi
     for (const InactiveSurface& surface : view.inactive)
         if (surface.isOfVolume && surface.look.isVisible)
             fills.push_back({static_cast<float>(surface.frame->isovalue), surface.look.colour});
-    std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
     // Alone, the first of all colours has a cap that is apart from it; beside others a cap says whose it is.
     for (ClipGuides::Fill& fill : fills)
         if (fills.size() > 1 && !fill.colour)
             fill.colour = colours_.front;
+    std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
     const model::SurfaceColours colours = isColouredByField(view.options) ? view.colours : model::SurfaceColours();
     resources_->clipGuides.draw(
         clipping, view.caps,

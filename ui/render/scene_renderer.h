@@ -67,7 +67,7 @@ private:
     struct OnCard;
 
     void setFrame(const SceneView& view);
-    void drawBackground(model::Background background);
+    void drawBackground(const SceneView& view);
     void drawBox(const Matrices& matrices, model::Background background);
     void drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices, model::Background background);
     void drawClipGuides(const Matrices& ofVolume, const SceneView& view);

@@ -10,6 +10,7 @@
 #include <QThread>
 
 #include "ui/render/gl_support.h"
+#include "ui/render/picture_alpha.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/render/transparent_layers.h"
 
@@ -139,21 +140,43 @@ public:
         return true;
     }
     /// A whole picture that nobody is shown; none if it was stopped, a null one without memory for it.
-    std::optional<QImage> draw(const SceneView& view, const std::function<bool()>& isStopped) {
-        if (!whole_->bind(view.pixels))
-            return QImage();
-        if (!renderer_.draw(view, SceneRenderer::Detail::Whole, isStopped))
-            return std::nullopt;
-        whole_->resolve(ordered_);
-        return whole_->read(ordered_, view.pixels);
+    std::optional<QImage> draw(const PictureOrder& order, const std::function<bool()>& isStopped) {
+        SceneView view = order.view();
+        if (order.isTransparent())
+            view.plainBackground = glm::vec3(0.0f);
+        auto picture = draw(view, isStopped);
+        if (picture && !picture->isNull() && order.isTransparent()) {
+            view.plainBackground = glm::vec3(1.0f);
+            const auto onWhite = draw(view, isStopped);
+            if (!onWhite || onWhite->isNull())
+                return onWhite;
+            picture = withoutBackground(*picture, *onWhite);
+        }
+        gl_->glDeleteTextures(1, &ordered_.name); // it may be larger than any that is shown
+        ordered_ = {};
+        return picture;
     }
     /// Of a whole picture, from the last one.
     double expectedMs(const SceneView& view) const { return msPerTriangle_ * trianglesOf(view); }
+    double expectedMs(const PictureOrder& order) const {
+        return (order.isTransparent() ? 2.0 : 1.0) * expectedMs(order.view());
+    }
 
     std::uint64_t refusedBytes() const { return renderer_.refusedBytes(); }
     std::uint64_t uploadedBytes() const { return renderer_.uploadedBytes(); }
 
 private:
+    std::optional<QImage> draw(const SceneView& view, const std::function<bool()>& isStopped) {
+        if (!whole_->bind(view.pixels))
+            return QImage();
+        if (!renderer_.draw(view, SceneRenderer::Detail::Whole, isStopped))
+            return std::nullopt;
+        while (gl_->glGetError() != GL_NO_ERROR) {}
+        whole_->resolve(ordered_);
+        QImage picture = whole_->read(ordered_, view.pixels);
+        return gl_->glGetError() == GL_NO_ERROR ? std::move(picture) : QImage(); // no memory for it
+    }
+
     QThread* home_ = QThread::currentThread();
     bool isAlwaysImage_;
     std::shared_ptr<GlDriver> driver_;
@@ -222,14 +245,14 @@ std::optional<SceneThread::Work> SceneThread::nextWork() {
 
 void SceneThread::drawOrdered(Painter& painter, const Ordered& ordered) {
     const auto& order = ordered.order;
-    order->begin(painter.expectedMs(order->view()));
+    order->begin(painter.expectedMs(*order));
     const auto isStopped = [&] {
         const std::lock_guard lock(mutex_);
         return order->isCancelled() || (asked_ && !isStopping_ && !givesWayNoMore(ordered.since));
     };
     if (painter.isLost())
         return stopWorking(true); // and refuses it
-    auto picture = order->isCancelled() ? std::optional(QImage()) : painter.draw(order->view(), isStopped);
+    auto picture = order->isCancelled() ? std::optional(QImage()) : painter.draw(*order, isStopped);
     if (!picture && !order->isCancelled())
         return; // to the view that is asked for, and once more
     {

@@ -41,6 +41,7 @@ struct SceneView {
     SurfaceLook look; ///< of the frame
     std::vector<InactiveSurface> inactive; ///< in any order: the picture is the same
     model::SurfaceColours colours; ///< of all of them
+    std::optional<glm::vec3> plainBackground{}; ///< as seen; none: that of the options, which lines are made for
 };
 
 /// What a surface, or the caps of those of the volume, is coloured by. A field is that of the volume, not of a second

@@ -4,6 +4,8 @@
 #include <QFileInfo>
 #include <QRegularExpression>
 
+#include "ui/widgets/window/picture_dialog.h"
+
 namespace isoslider::widgets {
 namespace {
 
@@ -45,6 +47,13 @@ void PlatformFileDialogs::askSave(QWidget* parent, const QString& title, const Q
     followFilter(dialog->selectedNameFilter());
     QObject::connect(dialog, &QFileDialog::filterSelected, dialog, followFilter);
     QObject::connect(dialog, &QFileDialog::fileSelected, parent, std::move(chosen));
+    dialog->open();
+}
+
+void PlatformFileDialogs::askPicture(QWidget* parent, const PictureChoice& last, QSize view,
+                                     std::function<void(const PictureChoice&)> chosen) {
+    auto* dialog = new PictureDialog(last, view, parent);
+    QObject::connect(dialog, &PictureDialog::chosen, parent, std::move(chosen));
     dialog->open();
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/base/file_system.h"
 #include "ui/render/picture_order.h"
+#include "ui/widgets/viewport/picture_halo.h"
 
 namespace isoslider::widgets {
 
@@ -20,6 +21,9 @@ Status writePicture(const QImage& picture, const std::filesystem::path& path) {
     QImageWriter writer(&buffer, QByteArray::fromStdString(suffix.empty() ? suffix : suffix.substr(1)));
     if (!writer.canWrite())
         return makeError(ErrorCode::InvalidArgument, "is not the name of a picture; end it in .png", path.string());
+    if (picture.hasAlphaChannel() && suffix != ".png" && suffix != ".PNG")
+        return makeError(ErrorCode::InvalidArgument, "a picture without a background is a PNG; end its name in .png",
+                         path.string());
     if (!writer.write(picture))
         return makeError(ErrorCode::OutOfSpace, "the picture could not be encoded", path.string());
     return writeWholeFile(path, std::string_view(bytes.constData(), static_cast<std::size_t>(bytes.size())));
@@ -40,7 +44,8 @@ Status writeOrdered(const ViewportHost::OrderedPicture& ordered, const std::file
     }
     if (picture->isNull())
         return makeError(ErrorCode::IoError, "the graphics card could not draw the picture", path.string());
-    QPainter(&*picture).drawImage(0, 0, ordered.above);
+    QPainter(&*picture).drawImage(
+        0, 0, ordered.halo.isValid() ? withHalo(ordered.above, ordered.halo, ordered.haloPixels) : ordered.above);
     job.report(kDrawing, "writing");
     return writePicture(*picture, path);
 }

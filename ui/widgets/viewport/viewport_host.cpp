@@ -36,6 +36,8 @@ constexpr int kOverlaySpacing = 6;
 constexpr std::uint32_t kSecondVolume = 0x80000000; // set in the ids of its surfaces
 constexpr std::uint64_t kLeastPictureBytes = 1 << 14; // below it, it is not for its size that a surface is refused
 const QColor kPreviewColour(255, 214, 138);
+const QColor kDarkHalo(20, 22, 26, 150), kLightHalo(250, 250, 250, 150);
+constexpr double kHaloWidth = 1.6;
 
 struct OptionAction {
     const char* action;
@@ -438,15 +440,23 @@ QImage ViewportHost::picture() {
 }
 
 // As the camera stands now: it may have moved on by the time that the surface is drawn.
-ViewportHost::OrderedPicture ViewportHost::orderPicture() {
-    OrderedPicture ordered{viewport_ != nullptr ? viewport_->orderPicture() : nullptr, {}};
+ViewportHost::OrderedPicture ViewportHost::orderPicture(const PictureChoice& choice) {
+    const QSize size = choice.sizeOf(pictureSize());
+    OrderedPicture ordered{size.isEmpty() ? nullptr : viewport_->orderPicture(size, choice.isTransparent), {}, {}};
     if (ordered.scene == nullptr)
         return ordered;
-    const glm::ivec2 pixels = ordered.scene->view().pixels;
-    ordered.above = QImage(pixels.x, pixels.y, QImage::Format_ARGB32_Premultiplied);
+    ordered.above = QImage(size, QImage::Format_ARGB32_Premultiplied);
     ordered.above.fill(Qt::transparent);
     paintAbove(ordered.above);
+    if (choice.isTransparent) { // words are as light or dark as the background that they were made for is not
+        ordered.halo = model::isLight(viewState_.options().stage.background) ? kLightHalo : kDarkHalo;
+        ordered.haloPixels = kHaloWidth * size.width() / std::max(1, viewport_->width());
+    }
     return ordered;
+}
+
+QSize ViewportHost::pictureSize() const {
+    return viewport_ != nullptr ? QSize(viewport_->pixels().x, viewport_->pixels().y) : QSize();
 }
 
 void ViewportHost::paintAbove(QImage& picture) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include <QColor>
 #include <QImage>
 #include <QWidget>
 
@@ -12,6 +13,7 @@
 #include "ui/model/observers.h"
 #include "ui/model/session/dataset.h"
 #include "ui/model/surface/view_state.h"
+#include "ui/widgets/viewport/picture_choice.h"
 
 namespace isoslider::model {
 class ColourModel;
@@ -59,8 +61,12 @@ public:
     struct OrderedPicture {
         std::shared_ptr<render::PictureOrder> scene; ///< null without a view
         QImage above;
+        QColor halo; ///< around what is above, without a background; else not valid
+        double haloPixels = 0.0;
     };
-    OrderedPicture orderPicture();
+    OrderedPicture orderPicture(const PictureChoice& choice);
+    /// Of the view; empty without one.
+    QSize pictureSize() const;
     /// Crop box and clip plane; null without a view.
     ClipTool* clipTool() { return clip_; }
     StartPage& startPage() { return *startPage_; }

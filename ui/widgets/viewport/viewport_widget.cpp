@@ -229,12 +229,13 @@ void ViewportWidget::ask(render::PictureUse use) {
     noteBehind();
 }
 
-std::shared_ptr<render::PictureOrder> ViewportWidget::orderPicture() {
+std::shared_ptr<render::PictureOrder> ViewportWidget::orderPicture(QSize size, bool isTransparent) {
     if (!hasScene())
         return nullptr;
     render::SceneView view = sceneView();
     view.spot.reset(); // it points out something to whoever looks at the window
-    auto order = std::make_shared<render::PictureOrder>(std::move(view));
+    view.pixels = {size.width(), size.height()};
+    auto order = std::make_shared<render::PictureOrder>(std::move(view), isTransparent);
     scene_->order(order);
     return order;
 }

@@ -51,8 +51,11 @@ public:
     void setDriver(std::shared_ptr<render::GlDriver> driver);
     /// Whole, of all that was set, in pixels of the screen.
     QImage grabFramebuffer();
-    /// The same, drawn while the window goes on; null without a view to draw.
-    std::shared_ptr<render::PictureOrder> orderPicture();
+    /// The same in so many pixels, with or without the background, drawn while the window goes on; null without a view
+    /// to draw. REQUIRES: the pixels are not empty.
+    std::shared_ptr<render::PictureOrder> orderPicture(QSize size, bool isTransparent);
+    /// Of the view on its screen.
+    glm::ivec2 pixels() const;
     /// Brings the newest picture to the screen once more.
     void showAgain() { view_->update(); }
     /// The widget that shows the pictures, and the context of it or, with images, of them. For tests.
@@ -117,7 +120,6 @@ private:
     render::SceneView sceneView() const;
     void ask(render::PictureUse use = {});
     void notePicture();
-    glm::ivec2 pixels() const;
     glm::dvec2 toScreen(QPointF point) const;
     double aspect() const;
 

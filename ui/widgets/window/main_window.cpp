@@ -6,18 +6,15 @@
 
 #include <QAction>
 #include <QCloseEvent>
-#include <QDir>
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QFileInfo>
 #include <QIcon>
 #include <QMimeData>
-#include <QPointer>
 #include <QScreen>
 #include <QStatusBar>
 #include <QVBoxLayout>
 
-#include "ui/model/session/read_files.h"
 #include "ui/model/session/session.h"
 #include "ui/model/slices/slice_model.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
@@ -39,7 +36,6 @@
 #include "ui/widgets/panels/topology_panel.h"
 #include "ui/widgets/slices/slice_wiring.h"
 #include "ui/widgets/slices/slice_workspace.h"
-#include "ui/widgets/viewport/picture_file.h"
 #include "ui/widgets/viewport/viewport_host.h"
 #include "ui/widgets/viewport/viewport_widget.h"
 #include "ui/widgets/window/action_registry.h"
@@ -50,6 +46,7 @@
 #include "ui/widgets/window/dock_focus.h"
 #include "ui/widgets/window/job_status.h"
 #include "ui/widgets/window/message_bar.h"
+#include "ui/widgets/window/picture_flow.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
 #include "ui/widgets/window/stage_wiring.h"
@@ -124,6 +121,7 @@ MainWindow::MainWindow(model::Session& session, SettingsStore& settings, FileDia
     makeCentre();
     keeper_ = new SessionKeeper(session_, *host_, *slices_, *actions_, dialogs_, *messageBar_, *recoveryBar_, this);
     connect(keeper_, &SessionKeeper::opening, this, [this] { messageBar_->hide(); });
+    pictureFlow_ = new PictureFlow(session_, {*host_, settings_, dialogs_, *messageBar_}, this);
     makeDocks();
     makeMenus();
     makeToolBar();
@@ -251,44 +249,6 @@ void MainWindow::openFile(const QString& path, std::optional<AskedIsovalue> isov
         keeper_->open(path);
     else
         openFlow_->openPath(path, isovalue, options);
-}
-
-void MainWindow::askSaveImage() {
-    if (host_->viewport() == nullptr || session_.dataset() == nullptr)
-        return;
-    const QString stem = QFileInfo(QString::fromStdString(session_.dataset()->name)).completeBaseName();
-    dialogs_.askSave(this, tr("Save View as Image"), QDir::home().filePath(stem + QStringLiteral(".png")),
-                     tr("PNG image (*.png)"), [this](const QString& path) {
-                         if (host_->viewport() != nullptr)
-                             saveImage(path);
-                     });
-}
-
-// A large surface may take seconds to be drawn whole: a job among the others, which can be cancelled.
-void MainWindow::saveImage(const QString& path) {
-    auto ordered = host_->orderPicture();
-    if (ordered.scene == nullptr)
-        return;
-    session_.runner().run<bool>(
-        "Save " + QFileInfo(path).fileName().toStdString(),
-        [ordered = std::move(ordered), file = std::filesystem::path(path.toStdU16String()),
-         read = model::ReadFiles({session_.dataset(), session_.secondVolume().dataset()})](
-            const JobControl& job) -> Result<bool> {
-            ISO_TRY(read.checkNotReplacedBy(file));
-            ISO_TRY(writeOrdered(ordered, file, job));
-            return true;
-        },
-        [window = QPointer(this), path](const Result<bool>& saved) {
-            using Severity = model::Notice::Severity;
-            if (window == nullptr || saved.isCancelled())
-                return;
-            if (saved.isOk())
-                window->messageBar_->showNotice({Severity::Information, tr("Image saved").toStdString(),
-                                                 QDir::toNativeSeparators(path).toStdString()});
-            else
-                window->messageBar_->showNotice({Severity::Error, tr("The image could not be saved").toStdString(),
-                                                 saved.error().line(), saved.error().code});
-        });
 }
 
 void MainWindow::showDataset() {

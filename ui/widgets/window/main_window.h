@@ -27,6 +27,7 @@ class FileDialogs;
 class IsovaluePanel;
 class MessageBar;
 class OpenFlow;
+class PictureFlow;
 class RecentFiles;
 class SessionKeeper;
 class SettingsStore;
@@ -77,8 +78,6 @@ private:
     /// In the order of the menu of panels.
     std::vector<QDockWidget*> allDocks() const;
     QDockWidget* addDock(const QString& title, const char* name, QWidget* panel);
-    void askSaveImage();
-    void saveImage(const QString& path);
     void showDataset();
     void showRecentFiles();
     void updateActions();
@@ -91,6 +90,7 @@ private:
     OpenFlow* openFlow_;
     OpenFlow* secondFlow_; ///< of a second volume
     SessionKeeper* keeper_ = nullptr;
+    PictureFlow* pictureFlow_ = nullptr;
     MessageBar* messageBar_ = nullptr;
     MessageBar* recoveryBar_ = nullptr;
     std::unique_ptr<model::SliceModel> slices_;

@@ -18,6 +18,7 @@
 #include "ui/widgets/window/colour_wiring.h"
 #include "ui/widgets/window/help_dialogs.h"
 #include "ui/widgets/window/main_window.h"
+#include "ui/widgets/window/picture_flow.h"
 #include "ui/widgets/window/session_keeper.h"
 #include "ui/widgets/window/settings_store.h"
 #include "ui/widgets/window/topology_questions.h"
@@ -175,7 +176,7 @@ void MainWindow::connectActions() {
     on("second.open", [this] { secondFlow_->askFile(); });
     on("file.openSession", [this] { keeper_->askOpen(); });
     on("file.saveSession", [this] { keeper_->askSave(); });
-    on("file.saveImage", [this] { askSaveImage(); });
+    on("file.saveImage", [this] { pictureFlow_->ask(); });
     on("file.close", [this] { session_.close(); });
     on("file.quit", [this] { close(); });
     on("mesh.check", [this] {
