@@ -9,6 +9,8 @@
 #include <QToolTip>
 #include <QWheelEvent>
 
+#include <gmock/gmock.h>
+
 #include "tests/gui/float_volume.h"
 #include "tests/gui/window_fixture.h"
 #include "ui/widgets/isovalue/histogram_plot.h"

@@ -238,6 +238,16 @@ TEST_F(SurfacesWithPiecesTest, ASessionKeepsWhatEachHides) {
     hide(0);
     surfaces().change(surfaces().list().surfaces[0].id, [](model::ListedSurface& first) { first.isVisible = true; });
     ASSERT_TRUE(waitUntilSettled());
+    const auto sizesOf = [this](std::size_t surface) {
+        std::vector<std::uint64_t> sizes;
+        if (const auto known = session_->piecesOf(surfaces().list().surfaces[surface].id))
+            for (const extract::Piece& each : known->pieces())
+                sizes.push_back(each.triangles);
+        return sizes;
+    };
+    const std::array before{sizesOf(0), sizesOf(1)};
+    EXPECT_EQ(before[0].size(), 3u);
+    EXPECT_EQ(before[1].size(), 3u);
     const auto path = folder_ / "two.isosession";
     dialogs_.answers.push_back(QString::fromStdString(path.string()));
     trigger("file.saveSession");
@@ -252,6 +262,8 @@ TEST_F(SurfacesWithPiecesTest, ASessionKeepsWhatEachHides) {
     EXPECT_FALSE(action("edit.undo")->isEnabled()) << "nobody did it";
     EXPECT_EQ(hiddenOf(0).hidden.size(), 1u);
     EXPECT_EQ(hiddenOf(1).hidden.size(), 1u);
+    EXPECT_EQ(sizesOf(0), before[0]) << "the pieces of each are as they were";
+    EXPECT_EQ(sizesOf(1), before[1]);
     QTest::keyClick(window_.get(), Qt::Key_1);
     showOnly(0);
     EXPECT_EQ(seen(), (Seen{true, false, true}));
