@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <type_traits>
 
 #include <tbb/blocked_range.h>
@@ -30,9 +29,10 @@ double withDecimals(double value, int firstFigure) {
     if (figures < 0)
         return 0.0;
     std::array<char, 64> text{};
-    const int size = std::snprintf(text.data(), text.size(), "%.*e", std::min(figures, 17), value);
+    const auto printed = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific,
+                                       std::min(figures, 17));
     double rounded = value;
-    std::from_chars(text.data(), text.data() + size, rounded);
+    std::from_chars(text.data(), printed.ptr, rounded);
     return rounded;
 }
 

@@ -4,7 +4,7 @@
 #include <QFileInfo>
 #include <QRegularExpression>
 
-#include "ui/widgets/window/picture_dialog.h"
+#include "ui/widgets/viewport/picture_dialog.h"
 
 namespace isoslider::widgets {
 namespace {

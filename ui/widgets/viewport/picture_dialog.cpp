@@ -1,4 +1,4 @@
-#include "ui/widgets/window/picture_dialog.h"
+#include "ui/widgets/viewport/picture_dialog.h"
 
 #include <algorithm>
 #include <array>
