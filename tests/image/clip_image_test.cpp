@@ -287,9 +287,9 @@ TEST_F(ClipImageTest, TheCapHasTheColourOfTheInnermostSurfaceThatIsShown) {
     EXPECT_LT(both.red, one.red - 1000) << "the inner one's cap is drawn over the outer one's";
     // The first of all colours is no other one where there is another surface.
     const auto isIvory = [](const QColor& pixel) { // hue of it, whatever the light
-        const double red = pixel.redF(), green = pixel.greenF(), blue = pixel.blueF();
-        return std::abs(std::pow(green / red, 2.2) - 0.70 / 0.80) < 0.04 &&
-               std::abs(std::pow(blue / red, 2.2) - 0.54 / 0.80) < 0.04;
+        const double greenShare = pixel.greenF() / pixel.redF(), blueShare = pixel.blueF() / pixel.redF();
+        return std::abs(std::pow(greenShare, 2.2) - 0.70 / 0.80) < 0.04 &&
+               std::abs(std::pow(blueShare, 2.2) - 0.54 / 0.80) < 0.04;
     };
     viewport_->setSurfaces({}, {beside});
     const QImage image = grab(frame, clipping, {capOf(*grid, clipping.plane())});

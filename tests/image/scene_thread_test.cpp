@@ -1,5 +1,6 @@
 // Who asks for pictures never waits for them: a draft comes first, the newest view wins, and at rest it is whole.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -146,6 +147,36 @@ TEST_F(SceneThreadTest, AnOrderedPictureCanHaveNoBackground) {
                                     std::abs(qGreen(laid.pixel(x, y)) - qGreen(expected.pixel(x, y))),
                                     std::abs(qBlue(laid.pixel(x, y)) - qBlue(expected.pixel(x, y)))});
         EXPECT_LE(largest, 4) << behind.name().toStdString();
+    }
+}
+
+// A picture four times as large has lines four times as wide, before the surface, behind it and seen through it.
+TEST_F(SceneThreadTest, LinesOfAnOrderedPictureAreAsWideAsAskedFor) {
+    view_.frame = ballFrame();
+    view_.camera.reset(render::sceneRadius(view_.frame->geometry));
+    const auto boxCover = [this](int scale, float lineWidth) {
+        view_.pixels = glm::ivec2(300, 240) * scale;
+        view_.lineWidth = lineWidth;
+        std::array<QImage, 2> pictures;
+        for (const bool hasBox : {false, true}) {
+            view_.options.showsBox = hasBox;
+            const auto order = std::make_shared<render::PictureOrder>(view_);
+            scene_->order(order);
+            pictures[hasBox] = order->waitFor(std::chrono::seconds(20)).value_or(QImage());
+        }
+        double cover = 0.0; // of pixels that lines touch in part, a part
+        for (int y = 0; y < pictures[0].height(); ++y)
+            for (int x = 0; x < pictures[0].width(); ++x)
+                cover += std::abs(qGreen(pictures[0].pixel(x, y)) - qGreen(pictures[1].pixel(x, y)));
+        return cover;
+    };
+    for (const float opacity : {1.0F, 0.5F}) {
+        SCOPED_TRACE(opacity);
+        view_.look.opacity = opacity;
+        const double once = boxCover(1, 1.0F), thin = boxCover(4, 1.0F), wide = boxCover(4, 4.0F);
+        EXPECT_GT(once, 10'000.0);
+        EXPECT_NEAR(thin / once, 4.0, 0.4);
+        EXPECT_NEAR(wide / thin, 4.0, 0.4);
     }
 }
 

@@ -109,8 +109,7 @@ bool ClipGuides::initialize() {
     if (isReady_ || isBroken_)
         return isReady_;
     capProgram_ = loadProgram("cap");
-    lineProgram_ = loadProgram("line");
-    isReady_ = capProgram_ && lineProgram_;
+    isReady_ = capProgram_ != nullptr;
     isBroken_ = !isReady_;
     if (!isReady_)
         return false;
@@ -175,8 +174,8 @@ void ClipGuides::drawCap(const model::Clipping& clipping, std::size_t place, con
     if (!texture.isRefused && fill(quad)) {
         QOpenGLShaderProgram& program = *capProgram_;
         program.bind();
-        program.setUniformValue("modelToView", view.modelToView);
-        program.setUniformValue("viewToClip", view.viewToClip);
+        program.setUniformValue("modelToView", view.seen.modelToView);
+        program.setUniformValue("viewToClip", view.seen.viewToClip);
         program.setUniformValue("samples", 0);
         program.setUniformValue("capLight", kCapLight * light);
         view.uniforms.set(program, view.colours, view.volume, view.volume);
@@ -213,20 +212,18 @@ void ClipGuides::drawLines(const model::Clipping& clipping, const View& view) {
             borders[place] = addBorder(data, clipping.planes[place], box, view.volume);
     if (!fill(data))
         return;
-    lineProgram_->bind();
-    lineProgram_->setUniformValue("modelToView", view.modelToView);
-    lineProgram_->setUniformValue("viewToClip", view.viewToClip);
+    auto& program = view.lines.bind(view.seen);
     if (clipping.isCropped) {
-        lineProgram_->setUniformValue("lineColour", kCropColour);
+        program.setUniformValue("lineColour", kCropColour);
         gl_.glDrawArrays(GL_LINES, 0, kBoxPoints);
     }
     int first = kBoxPoints;
     for (std::size_t place = 0; place < borders.size(); ++place) {
-        lineProgram_->setUniformValue("lineColour", place == clipping.active ? kPlaneColour : kOtherPlaneColour);
+        program.setUniformValue("lineColour", place == clipping.active ? kPlaneColour : kOtherPlaneColour);
         gl_.glDrawArrays(GL_LINE_LOOP, first, borders[place]);
         first += borders[place];
     }
-    lineProgram_->release();
+    program.release();
 }
 
 } // namespace isoslider::render

@@ -19,6 +19,7 @@
 #include "ui/model/surface/clipping.h"
 #include "ui/render/colour_uniforms.h"
 #include "ui/render/gl_driver.h"
+#include "ui/render/line_program.h"
 
 namespace isoslider::render {
 
@@ -51,8 +52,8 @@ public:
         std::optional<glm::vec3> colour; ///< linear light; none: that of the first of all colours
     };
     struct View {
-        const QMatrix4x4& modelToView; ///< of the volume's index units
-        const QMatrix4x4& viewToClip;
+        LineView seen; ///< its model: the volume's index units
+        LineProgram& lines;
         const GridGeometry& volume;
         std::span<const Fill> fills; ///< ascending by isovalue: what lies within another one is drawn over it
         const model::Camera& camera;
@@ -79,7 +80,6 @@ private:
     GlDriver& driver_;
     bool isReady_ = false, isBroken_ = false;
     std::unique_ptr<QOpenGLShaderProgram> capProgram_;
-    std::unique_ptr<QOpenGLShaderProgram> lineProgram_;
     GLuint array_ = 0, buffer_ = 0;
     struct Texture {
         GLuint name = 0;

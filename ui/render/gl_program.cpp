@@ -30,13 +30,17 @@ QByteArray sourceOf(const QString& name, const char* define) {
 
 } // namespace
 
-std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment, const char* define) {
+std::unique_ptr<QOpenGLShaderProgram> loadProgram(const char* vertex, const char* fragment, const char* define,
+                                                  const char* geometry) {
     auto program = std::make_unique<QOpenGLShaderProgram>();
     const bool isBuilt =
         program->addShaderFromSourceCode(QOpenGLShader::Vertex,
                                          sourceOf(QLatin1String(vertex) + QStringLiteral(".vert"), define)) &&
         program->addShaderFromSourceCode(QOpenGLShader::Fragment,
                                          sourceOf(QLatin1String(fragment) + QStringLiteral(".frag"), define)) &&
+        (geometry == nullptr ||
+         program->addShaderFromSourceCode(QOpenGLShader::Geometry,
+                                          sourceOf(QLatin1String(geometry) + QStringLiteral(".geom"), nullptr))) &&
         program->link();
     if (!isBuilt) {
         qWarning("shader %s: %s", vertex, qPrintable(program->log()));

@@ -135,7 +135,7 @@ struct SceneRenderer::Resources {
     }
 
     bool canPeel() const {
-        return arraysPeelingProgram != nullptr && bricksPeelingProgram != nullptr && linesPeelingProgram != nullptr;
+        return arraysPeelingProgram != nullptr && bricksPeelingProgram != nullptr && linesPeeling.isReady();
     }
 
     Gl& gl;
@@ -153,11 +153,12 @@ struct SceneRenderer::Resources {
     GLuint boxArray = 0;
     GLuint boxBuffer = 0;
     std::unique_ptr<QOpenGLShaderProgram> backgroundProgram;
-    std::unique_ptr<QOpenGLShaderProgram> lineProgram;
+    LineProgram lines;
+    LineProgram linesPeeling{"PEELING"};
     std::unique_ptr<QOpenGLShaderProgram> markerProgram;
     std::unique_ptr<QOpenGLShaderProgram> arraysProgram;
     std::unique_ptr<QOpenGLShaderProgram> bricksProgram;
-    std::unique_ptr<QOpenGLShaderProgram> arraysPeelingProgram, bricksPeelingProgram, linesPeelingProgram;
+    std::unique_ptr<QOpenGLShaderProgram> arraysPeelingProgram, bricksPeelingProgram;
 };
 
 double sceneRadius(const GridGeometry& geometry) {
@@ -184,15 +185,15 @@ bool SceneRenderer::initialize() {
         return false;
     resources_ = std::make_unique<Resources>(*gl, *driver_);
     resources_->backgroundProgram = loadProgram("background");
-    resources_->lineProgram = loadProgram("line");
+    resources_->lines.initialize();
+    resources_->linesPeeling.initialize();
     resources_->markerProgram = loadProgram("marker");
     resources_->arraysProgram = loadProgram("surface");
     resources_->bricksProgram = loadProgram("surface_bricks", "surface");
     resources_->arraysPeelingProgram = loadProgram("surface", "surface", "PEELING");
-    resources_->linesPeelingProgram = loadProgram("line", "line", "PEELING");
     resources_->bricksPeelingProgram = loadProgram("surface_bricks", "surface", "PEELING");
     isBoxNew_ = true;
-    if (resources_->backgroundProgram && resources_->lineProgram && resources_->markerProgram &&
+    if (resources_->backgroundProgram && resources_->lines.isReady() && resources_->markerProgram &&
         resources_->arraysProgram && resources_->bricksProgram)
         return true;
     resources_.reset();
@@ -289,14 +290,15 @@ bool SceneRenderer::draw(const SceneView& view, Detail detail, const std::functi
             return false;
     if (view.options.stage.hasOcclusion && detail == Detail::Whole)
         resources_->occlusion.draw(view.pixels, view.camera);
-    resources_->slices.draw(view.slices, volume_.dims, ofVolume.boxToView, ofVolume.viewToClip);
+    resources_->slices.draw(view.slices, volume_.dims,
+                            {ofVolume.boxToView, ofVolume.viewToClip, view.lineWidth, view.pixels}, resources_->lines);
     if (frame_)
         drawClipGuides(ofVolume, view);
     if (isAnyTransparent(surfaces)) {
         if (!drawTransparent(surfaces, ofVolume, view, detail, isStopped))
             return false;
     } else if (view.options.showsBox && resources_->hasBox) {
-        drawBox(ofVolume, view.options.stage.background);
+        drawBox(ofVolume, view);
     }
     gl.glDisable(GL_DEPTH_TEST);
     if (view.spot && frame_)
@@ -319,23 +321,20 @@ void SceneRenderer::drawBackground(const SceneView& view) {
     program.release();
 }
 
-void SceneRenderer::drawBox(const Matrices& matrices, model::Background background) {
+void SceneRenderer::drawBox(const Matrices& matrices, const SceneView& view) {
     auto& gl = resources_->gl;
     gl.glEnable(GL_BLEND);
     // Alpha stays 1: the widget is composed as premultiplied, and a hole would overflow its colour.
     gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    drawBoxLines(*resources_->lineProgram, matrices, background);
+    drawBoxLines(resources_->lines, matrices, view);
     gl.glDisable(GL_BLEND);
 }
 
-void SceneRenderer::drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices,
-                                 model::Background background) {
+void SceneRenderer::drawBoxLines(LineProgram& lines, const Matrices& matrices, const SceneView& view) {
     auto& gl = resources_->gl;
-    program.bind();
+    auto& program = lines.bind({matrices.boxToView, matrices.viewToClip, view.lineWidth, view.pixels});
     setPeeling(program);
-    program.setUniformValue("modelToView", matrices.boxToView);
-    program.setUniformValue("viewToClip", matrices.viewToClip);
-    program.setUniformValue("lineColour", toQt(coloursOf(background).box));
+    program.setUniformValue("lineColour", toQt(coloursOf(view.options.stage.background).box));
     gl.glBindVertexArray(resources_->boxArray);
     gl.glDrawArrays(GL_LINES, 0, kBoxVertices);
     gl.glBindVertexArray(0);
@@ -356,9 +355,14 @@ void SceneRenderer::drawClipGuides(const Matrices& ofVolume, const SceneView& vi
             fill.colour = colours_.front;
     std::stable_sort(fills.begin(), fills.end(), [](const auto& a, const auto& b) { return a.isovalue < b.isovalue; });
     const model::SurfaceColours colours = isColouredByField(view.options) ? view.colours : model::SurfaceColours();
-    resources_->clipGuides.draw(
-        clipping, view.caps,
-        {ofVolume.boxToView, ofVolume.viewToClip, volume_, fills, view.camera, resources_->colours, colours});
+    resources_->clipGuides.draw(clipping, view.caps,
+                                {{ofVolume.boxToView, ofVolume.viewToClip, view.lineWidth, view.pixels},
+                                 resources_->lines,
+                                 volume_,
+                                 fills,
+                                 view.camera,
+                                 resources_->colours,
+                                 colours});
 }
 
 void SceneRenderer::drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels) {
@@ -516,7 +520,7 @@ bool SceneRenderer::drawTransparent(const std::vector<OnCard>& surfaces, const M
                 return false;
         }
         if (view.options.showsBox && resources_->hasBox)
-            drawBoxLines(*resources_->linesPeelingProgram, ofVolume, view.options.stage.background);
+            drawBoxLines(resources_->linesPeeling, ofVolume, view);
         return true;
     };
     const int layers = TransparentLayers::layersFor(leastOpacity, detail == Detail::Coarse);

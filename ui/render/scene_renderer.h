@@ -12,6 +12,7 @@
 
 #include "ui/render/gl_driver.h"
 #include "ui/render/gl_program.h"
+#include "ui/render/line_program.h"
 #include "ui/render/scene_view.h"
 
 namespace isoslider::render {
@@ -68,8 +69,8 @@ private:
 
     void setFrame(const SceneView& view);
     void drawBackground(const SceneView& view);
-    void drawBox(const Matrices& matrices, model::Background background);
-    void drawBoxLines(QOpenGLShaderProgram& program, const Matrices& matrices, model::Background background);
+    void drawBox(const Matrices& matrices, const SceneView& view);
+    void drawBoxLines(LineProgram& lines, const Matrices& matrices, const SceneView& view);
     void drawClipGuides(const Matrices& ofVolume, const SceneView& view);
     void drawMarker(const Spot& spot, const glm::dvec4& place, glm::ivec2 pixels);
     Matrices matricesOf(const GridGeometry& grid, const SceneView& view) const;

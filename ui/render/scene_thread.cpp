@@ -54,6 +54,7 @@ SceneView draftOf(SceneView view) {
     view.pixels = (view.pixels + 1) / 2;
     if (view.spot)
         view.spot->pixelRatio /= 2.0f;
+    view.lineWidth /= 2.0f;
     return view;
 }
 

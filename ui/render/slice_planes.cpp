@@ -92,8 +92,7 @@ bool SlicePlanes::initialize() {
     if (isReady_ || isBroken_)
         return isReady_;
     planeProgram_ = loadProgram("slice");
-    lineProgram_ = loadProgram("line");
-    isReady_ = planeProgram_ && lineProgram_;
+    isReady_ = planeProgram_ != nullptr;
     isBroken_ = !isReady_;
     return isReady_;
 }
@@ -173,8 +172,7 @@ void SlicePlanes::uploadCrosshair(const SliceScene& scene, const GridDims& dims)
         crosshair_.reset();
 }
 
-void SlicePlanes::draw(const SliceScene& scene, const GridDims& dims, const QMatrix4x4& modelToView,
-                       const QMatrix4x4& viewToClip) {
+void SlicePlanes::draw(const SliceScene& scene, const GridDims& dims, const LineView& view, LineProgram& lines) {
     if (scene.isEmpty()) {
         resize(0);
         free(lines_);
@@ -188,8 +186,8 @@ void SlicePlanes::draw(const SliceScene& scene, const GridDims& dims, const QMat
         upload(scene.slices[i], dims, planes_[i]);
     uploadCrosshair(scene, dims);
     planeProgram_->bind();
-    planeProgram_->setUniformValue("modelToView", modelToView);
-    planeProgram_->setUniformValue("viewToClip", viewToClip);
+    planeProgram_->setUniformValue("modelToView", view.modelToView);
+    planeProgram_->setUniformValue("viewToClip", view.viewToClip);
     planeProgram_->setUniformValue("shades", 0);
     gl_.glActiveTexture(GL_TEXTURE0);
     gl_.glEnable(GL_POLYGON_OFFSET_FILL); // lines in the plane are in front of it, from either side
@@ -204,36 +202,34 @@ void SlicePlanes::draw(const SliceScene& scene, const GridDims& dims, const QMat
     gl_.glBindTexture(GL_TEXTURE_2D, 0);
     gl_.glBindVertexArray(0);
     planeProgram_->release();
-    drawLines(scene, modelToView, viewToClip);
+    drawLines(scene, view, lines);
 }
 
-void SlicePlanes::drawLines(const SliceScene& scene, const QMatrix4x4& modelToView, const QMatrix4x4& viewToClip) {
-    lineProgram_->bind();
-    lineProgram_->setUniformValue("modelToView", modelToView);
-    lineProgram_->setUniformValue("viewToClip", viewToClip);
+void SlicePlanes::drawLines(const SliceScene& scene, const LineView& view, LineProgram& lines) {
+    auto& program = lines.bind(view);
     for (std::size_t i = 0; i < planes_.size(); ++i) {
         const Plane& plane = planes_[i];
         if (plane.isRefused)
             continue;
         gl_.glBindVertexArray(plane.array);
-        lineProgram_->setUniformValue("lineColour", lineColour(scene.slices[i].colour, 1.0f));
+        program.setUniformValue("lineColour", lineColour(scene.slices[i].colour, 1.0f));
         gl_.glDrawArrays(GL_LINE_LOOP, kQuadPoints, plane.borderPoints);
         int drawn = 0;
         for (const auto& part : plane.contour ? plane.contour->parts : std::vector<model::SliceContour::Part>()) {
             const glm::vec3 seen(part.colour[0], part.colour[1], part.colour[2]);
             const int end = static_cast<int>(part.pointEnd);
-            lineProgram_->setUniformValue("lineColour", lineColour(seen / 255.0f, 1.0f));
+            program.setUniformValue("lineColour", lineColour(seen / 255.0f, 1.0f));
             gl_.glDrawArrays(GL_LINES, kQuadPoints + plane.borderPoints + drawn, end - drawn);
             drawn = end;
         }
     }
-    drawCrosshair(scene);
+    drawCrosshair(scene, program);
     gl_.glBindVertexArray(0);
-    lineProgram_->release();
+    program.release();
 }
 
 // Faint where something is in front of it.
-void SlicePlanes::drawCrosshair(const SliceScene& scene) {
+void SlicePlanes::drawCrosshair(const SliceScene& scene, QOpenGLShaderProgram& program) {
     if (!scene.crosshair || lines_.isRefused)
         return;
     gl_.glBindVertexArray(lines_.array);
@@ -242,8 +238,7 @@ void SlicePlanes::drawCrosshair(const SliceScene& scene) {
     for (const float alpha : {0.22f, 0.9f}) {
         alpha < 0.5f ? gl_.glDisable(GL_DEPTH_TEST) : gl_.glEnable(GL_DEPTH_TEST);
         for (int axis = 0; axis < 3; ++axis) {
-            lineProgram_->setUniformValue("lineColour",
-                                          lineColour(scene.axisColours[static_cast<std::size_t>(axis)], alpha));
+            program.setUniformValue("lineColour", lineColour(scene.axisColours[static_cast<std::size_t>(axis)], alpha));
             gl_.glDrawArrays(GL_LINES, 2 * axis, 2);
         }
     }

@@ -12,6 +12,7 @@
 #include "core/grid/grid_geometry.h"
 #include "ui/model/slices/slice_model.h"
 #include "ui/render/gl_driver.h"
+#include "ui/render/line_program.h"
 #include "ui/render/slice_scene.h"
 
 namespace isoslider::render {
@@ -30,8 +31,7 @@ public:
 
     /// Forgets everything on the GPU without a call to it: the context is gone.
     void abandon();
-    void draw(const SliceScene& scene, const GridDims& dims, const QMatrix4x4& modelToView,
-              const QMatrix4x4& viewToClip);
+    void draw(const SliceScene& scene, const GridDims& dims, const LineView& view, LineProgram& lines);
 
 private:
     struct Plane {
@@ -52,14 +52,13 @@ private:
     void uploadTexture(Plane& plane);
     bool fill(Plane& plane, const std::vector<float>& data);
     void uploadCrosshair(const SliceScene& scene, const GridDims& dims);
-    void drawCrosshair(const SliceScene& scene);
-    void drawLines(const SliceScene& scene, const QMatrix4x4& modelToView, const QMatrix4x4& viewToClip);
+    void drawCrosshair(const SliceScene& scene, QOpenGLShaderProgram& program);
+    void drawLines(const SliceScene& scene, const LineView& view, LineProgram& lines);
 
     Gl& gl_;
     GlDriver& driver_;
     bool isReady_ = false, isBroken_ = false;
     std::unique_ptr<QOpenGLShaderProgram> planeProgram_;
-    std::unique_ptr<QOpenGLShaderProgram> lineProgram_;
     std::vector<Plane> planes_;
     Plane lines_; ///< of the crosshair
     std::optional<glm::dvec3> crosshair_; ///< that is on the card

@@ -215,6 +215,7 @@ bool ViewportWidget::hasScene() {
 render::SceneView ViewportWidget::sceneView() const {
     render::SceneView view{frame_,   volume_, {},    slices_,   camera_, options_,
                            pixels(), caps_,   look_, inactive_, colours_};
+    view.lineWidth = static_cast<float>(devicePixelRatioF());
     if (spot_)
         view.spot = render::Spot{*spot_, spotStrength_, static_cast<float>(devicePixelRatioF())};
     return view;
@@ -235,6 +236,7 @@ std::shared_ptr<render::PictureOrder> ViewportWidget::orderPicture(QSize size, b
     render::SceneView view = sceneView();
     view.spot.reset(); // it points out something to whoever looks at the window
     view.pixels = {size.width(), size.height()};
+    view.lineWidth = static_cast<float>(size.width()) / static_cast<float>(std::max(1, width()));
     auto order = std::make_shared<render::PictureOrder>(std::move(view), isTransparent);
     scene_->order(order);
     return order;

@@ -9,6 +9,7 @@
 #include <QGuiApplication>
 #include <QLayout>
 #include <QMainWindow>
+#include <QMouseEvent>
 
 namespace isoslider::widgets {
 namespace {
@@ -50,7 +51,12 @@ bool CompactLayout::eventFilter(QObject* watched, QEvent* event) {
             fit();
             settled_.start();
             break;
-        case QEvent::MouseButtonPress: pressedExtents_ = presentExtents(); break;
+        case QEvent::MouseButtonPress:
+            pressedExtents_ = presentExtents();
+            isPressed_ = static_cast<QMouseEvent*>(event)->button() == Qt::LeftButton;
+            break;
+        case QEvent::Leave: // who lets go elsewhere is not heard of
+        case QEvent::WindowDeactivate: isPressed_ = false; break;
         case QEvent::MouseButtonRelease: // of the line beside a panel, it may be, which moves until this is handled
             QMetaObject::invokeMethod(this, &CompactLayout::noteExtents, Qt::QueuedConnection);
             break;
@@ -60,7 +66,7 @@ bool CompactLayout::eventFilter(QObject* watched, QEvent* event) {
     return QObject::eventFilter(watched, event);
 }
 
-bool CompactLayout::isDragging() { return QGuiApplication::mouseButtons() != Qt::NoButton; }
+bool CompactLayout::isDragging() const { return isPressed_ || QGuiApplication::mouseButtons() != Qt::NoButton; }
 
 void CompactLayout::restart() {
     hidden_.clear();
@@ -88,6 +94,7 @@ std::map<QDockWidget*, int> CompactLayout::presentExtents() const {
 
 // Only what the mouse has changed: the others may be squeezed. Panels that share an edge change together.
 void CompactLayout::noteExtents() {
+    isPressed_ = false;
     const auto present = presentExtents();
     for (const bool isHeight : {false, true}) {
         const auto isOfThese = [&](const auto& entry) { return (entry.first == &isovaluePanel_) == isHeight; };
@@ -115,6 +122,8 @@ bool CompactLayout::isBelowOrAboveView(QDockWidget& panel) const {
 }
 
 void CompactLayout::restoreExtents() {
+    if (isDragging())
+        return settled_.start();
     if (isCompact_)
         return;
     if (extents_.empty())

@@ -35,7 +35,7 @@ private:
     void showPanels();
     bool isBesideView(QDockWidget& panel) const;
     bool isBelowOrAboveView(QDockWidget& panel) const;
-    static bool isDragging();
+    bool isDragging() const;
     std::map<QDockWidget*, int> presentExtents() const;
     void noteExtents();
     void restoreExtents();
@@ -48,6 +48,7 @@ private:
     std::vector<QPointer<QDockWidget>> wereOnTop_; ///< of those hidden, the ones whose tab was current
     std::map<QDockWidget*, int> extents_; ///< as setExtents() has them, where there is room for them
     std::map<QDockWidget*, int> pressedExtents_; ///< when a mouse button was pressed
+    bool isPressed_ = false; ///< a mouse button, on the window itself: a line between panels, it may be
     bool isCompact_ = false;
     QTimer settled_; ///< runs out when nothing has changed its size for a moment
 };
