@@ -165,7 +165,9 @@ Status addStatistics(LoadedDataset& loaded, const JobControl& job) {
     auto values = distributionOf(*loaded.grid, facts.min, facts.max, spreading);
     if (!values.isOk())
         return std::move(values).error();
-    dataset.values = std::make_shared<ValueDistribution>(std::move(values).value());
+    auto counted = std::make_shared<ValueDistribution>(std::move(values).value());
+    counted->spread.isExact = counted->spread.isExact && isWhole;
+    dataset.values = std::move(counted);
     return {};
 }
 

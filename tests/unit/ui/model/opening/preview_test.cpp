@@ -66,6 +66,7 @@ TEST_F(PreviewTest, ReadsAllThatFitsAndNoMore) {
     EXPECT_EQ(whole.value().dataset.coarseStep, 1);
     EXPECT_EQ(whole.value().grid->dims(), (GridDims{24, 24, 24}));
     EXPECT_GT(whole.value().dataset.distinctValues, 0u);
+    EXPECT_TRUE(whole.value().dataset.values->spread.isExact);
     const auto preview = load(path, kBallBytes - 1);
     ASSERT_THAT(preview, IsOk());
     EXPECT_EQ(preview.value().dataset.coarseStep, 2);
@@ -111,6 +112,7 @@ TEST_F(PreviewTest, CountsOnlyWhatItHasRead) {
     for (const auto count : dataset.histogram.counts)
         counted += count;
     EXPECT_EQ(counted, 63u);
+    EXPECT_FALSE(dataset.values->spread.isExact);
 }
 
 TEST_F(PreviewTest, IsCancelledWhileItIsRead) {
