@@ -26,7 +26,7 @@ namespace isoslider::cli {
 namespace {
 
 constexpr std::uint64_t kDistinctBytes = std::uint64_t{512} << 20;
-constexpr std::uint64_t kCountedSamples = 16'000'000; // of an index: within a second
+constexpr std::uint64_t kCountedSamples = std::uint64_t{1} << 24; // of an index: within a second
 constexpr std::int64_t kMaxParts = 4096; // components and frames that are read one by one
 
 /// The same facts for a volume and for an index of one.
