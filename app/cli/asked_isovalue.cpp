@@ -31,14 +31,8 @@ Result<std::vector<double>> valuesIn(std::span<const AskedIsovalue> asked, const
 
 } // namespace
 
-std::optional<AskedIsovalue> parseIsovalue(std::string_view text) {
-    const bool isInDeviations = removeDeviationWord(text);
-    const auto number = parseFinite(text);
-    return number ? std::optional(AskedIsovalue(*number, isInDeviations)) : std::nullopt;
-}
-
 AskedIsovalue isovalueOrThrow(const std::string& option, std::string_view text) {
-    const auto isovalue = parseIsovalue(text);
+    const auto isovalue = askedIsovalueFrom(text, parseFinite);
     if (!isovalue)
         throw CLI::ValidationError(option,
                                    fmt::format("'{}' is not a finite number (a point marks decimals, as in 1.5), "

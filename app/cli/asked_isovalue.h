@@ -14,9 +14,8 @@
 
 namespace isoslider::cli {
 
-/// A finite number, or one of standard deviations: "5", "2.5 sigma", "-1sd".
-std::optional<AskedIsovalue> parseIsovalue(std::string_view text);
-/// The same, or a CLI::ValidationError of the option.
+/// A finite number, or one of standard deviations: "5", "2.5 sigma", "-1sd". Throws a CLI::ValidationError of the
+/// option if it is neither.
 AskedIsovalue isovalueOrThrow(const std::string& option, std::string_view text);
 CLI::Option* addIsovalue(CLI::App& command, const std::string& name, std::optional<AskedIsovalue>& target,
                          const std::string& help);

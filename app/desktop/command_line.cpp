@@ -40,12 +40,12 @@ std::optional<int> parseComponent(const QString& text) {
 }
 
 std::optional<AskedIsovalue> parseIsovalueOption(const QString& given) {
-    const std::string text = given.toStdString();
-    std::string_view number = text;
-    const bool isInDeviations = removeDeviationWord(number);
-    bool isNumber = false;
-    const double value = QString::fromStdString(std::string(number)).toDouble(&isNumber);
-    return isNumber && std::isfinite(value) ? std::optional(AskedIsovalue(value, isInDeviations)) : std::nullopt;
+    return askedIsovalueFrom(given.toStdString(), [](std::string_view number) {
+        bool isNumber = false;
+        const double value =
+            QString::fromUtf8(number.data(), static_cast<qsizetype>(number.size())).toDouble(&isNumber);
+        return isNumber && std::isfinite(value) ? std::optional(value) : std::nullopt;
+    });
 }
 
 } // namespace

@@ -81,14 +81,12 @@ int eulerNumberOfHalves(MergedSigns s) {
     return euler;
 }
 
-#define ISO_INLINE inline __attribute__((always_inline))
-
 // How many of the words that it is given have their bit set, as a number for each bit: full adders take three words of
 // one weight to one of it and one of the next.
 template <class Word>
 class BitwiseSum {
 public:
-    ISO_INLINE void addEight(const std::array<Word, 8>& w) {
+    [[gnu::always_inline]] inline void addEight(const std::array<Word, 8>& w) {
         const Word twosA = carryOf(ones_, w[0], w[1]), twosB = carryOf(ones_, w[2], w[3]),
                    foursA = carryOf(twos_, twosA, twosB), twosC = carryOf(ones_, w[4], w[5]),
                    twosD = carryOf(ones_, w[6], w[7]), foursB = carryOf(twos_, twosC, twosD);
@@ -99,7 +97,7 @@ public:
             carry = next;
         }
     }
-    ISO_INLINE Word is(unsigned number) const {
+    [[gnu::always_inline]] inline Word is(unsigned number) const {
         Word differs = (number & 1 ? ~ones_ : ones_) | (number & 2 ? ~twos_ : twos_) | (number & 4 ? ~fours_ : fours_);
         for (std::size_t i = 0; i < higher_.size(); ++i)
             differs |= number >> (3 + i) & 1 ? ~higher_[i] : higher_[i];
@@ -107,7 +105,7 @@ public:
     }
 
 private:
-    static ISO_INLINE Word carryOf(Word& sum, Word a, Word b) {
+    [[gnu::always_inline]] static inline Word carryOf(Word& sum, Word a, Word b) {
         const Word either = sum ^ a, carry = (sum & a) | (either & b);
         sum = either ^ b;
         return carry;
@@ -119,7 +117,8 @@ private:
 // Of cells without an ambiguous face: two opposite corners differ from the six others, so all edges at both are
 // crossed. Edges along x by y + 2 z, along y by x + 2 z, along z by x + 2 y.
 template <class Word>
-ISO_INLINE Word haveTwoLoops(const std::array<Word, 4>& x, const std::array<Word, 4>& y, const std::array<Word, 4>& z) {
+[[gnu::always_inline]] inline Word haveTwoLoops(const std::array<Word, 4>& x, const std::array<Word, 4>& y,
+                                                const std::array<Word, 4>& z) {
     return (x[0] & y[0] & z[0] & (x[3] & y[3] & z[3])) | (x[0] & y[1] & z[1] & (x[3] & y[2] & z[2])) |
            (x[1] & y[0] & z[2] & (x[2] & y[3] & z[1])) | (x[1] & y[1] & z[3] & (x[2] & y[2] & z[0]));
 }
@@ -127,7 +126,7 @@ ISO_INLINE Word haveTwoLoops(const std::array<Word, 4>& x, const std::array<Word
 // For each bit of a word what keepsTopology() answers. Where the corners of a cell of a grid differ, two neighbouring
 // ones do, so all follows from the edges.
 template <class Word>
-ISO_INLINE Word keepsTopologyOf(const std::array<Word, 27>& s) {
+[[gnu::always_inline]] inline Word keepsTopologyOf(const std::array<Word, 27>& s) {
     constexpr std::array<std::size_t, 3> kStrides{1, 3, 9};
     constexpr unsigned kSegments = 36;
     Word fails{};
@@ -212,7 +211,6 @@ ISO_INLINE Word keepsTopologyOf(const std::array<Word, 27>& s) {
     fails |= ~(x[0] | x[1] | x[2] | x[3] | y[0] | y[2] | z[0]) | haveTwoLoops(x, y, z); // no loop, or two
     return (~fails & sum.is(kSegments + 1)) | ~isAnyCrossed;
 }
-#undef ISO_INLINE
 
 } // namespace
 

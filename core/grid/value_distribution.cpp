@@ -133,10 +133,7 @@ Status countCells(const SampleSpans<Sample>& spans, ValueDistribution& out) {
             values.add(static_cast<double>(sample));
         }
     }));
-    SpreadSum sum;
-    for (const SpreadSum& part : sums)
-        sum.merge(part);
-    out.spread = sum.spread();
+    out.spread = SpreadSum::spreadOfAll(sums);
     DistinctCounter all;
     for (const DistinctCounter& part : distinct)
         all.merge(part);
@@ -144,10 +141,10 @@ Status countCells(const SampleSpans<Sample>& spans, ValueDistribution& out) {
     out.isEachValue = !out.cells.empty();
     if (out.isEachValue)
         return {};
-    const Counts& counted = counts.sum();
-    for (std::size_t i = 0; i < counted.size(); ++i)
-        if (counted[i] > 0)
-            out.cells.push_back({std::max(out.min, lowerEndOf(first + i)), lowerEndOf(first + i + 1), counted[i]});
+    const Counts& sum = counts.sum();
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        if (sum[i] > 0)
+            out.cells.push_back({std::max(out.min, lowerEndOf(first + i)), lowerEndOf(first + i + 1), sum[i]});
     if (!out.cells.empty())
         out.cells.back().upper = std::min(out.cells.back().upper, std::nextafter(out.max, HUGE_VAL));
     return {};

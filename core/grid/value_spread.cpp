@@ -114,19 +114,16 @@ ValueSpread SpreadSum::spread() const {
 }
 
 Result<ValueSpread> spreadOf(const ScalarGrid& grid, const JobControl& job) {
-    SpreadSum all;
+    tbb::enumerable_thread_specific<SpreadSum> sums;
     grid.visit([&](auto values) {
-        tbb::enumerable_thread_specific<SpreadSum> sums;
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kSpreadGrain), [&](const auto& part) {
             if (!job.isStopRequested())
                 sums.local().add(values.subspan(part.begin(), part.size()));
         });
-        for (const SpreadSum& part : sums)
-            all.merge(part);
     });
     if (job.isStopRequested())
         return cancelledError();
-    return all.spread();
+    return SpreadSum::spreadOfAll(sums);
 }
 
 Result<double> AskedIsovalue::in(const ValueSpread& spread) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -35,6 +36,15 @@ public:
     /// from its volume, and on any number of threads. All zero without samples.
     ValueSpread spread() const;
 
+    /// Of a range of them, such as those of the threads.
+    template <class Sums>
+    static ValueSpread spreadOfAll(const Sums& sums) {
+        SpreadSum all;
+        for (const SpreadSum& part : sums)
+            all.merge(part);
+        return all.spread();
+    }
+
 private:
     void mergePart(std::uint64_t count, long double mean, long double squares);
     void note(double value);
@@ -68,5 +78,14 @@ struct AskedIsovalue {
 /// Words: sigma, σ, sd, std, in upper and lower case. False, leaving the text, if there is none. "rms" is none: some
 /// programs measure it from the mean, others from 0.
 bool removeDeviationWord(std::string_view& text);
+
+/// What is written as an isovalue, as a number or one with a word behind it; numberFrom(text) reads the number, if it
+/// is one.
+template <class NumberFrom>
+std::optional<AskedIsovalue> askedIsovalueFrom(std::string_view text, const NumberFrom& numberFrom) {
+    const bool isInDeviations = removeDeviationWord(text);
+    const std::optional<double> number = numberFrom(text);
+    return number ? std::optional(AskedIsovalue(*number, isInDeviations)) : std::nullopt;
+}
 
 } // namespace isoslider

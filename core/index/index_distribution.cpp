@@ -103,10 +103,7 @@ Result<ValueSpread> spreadAs(const IndexReader& reader, const JobControl& job) {
     const SomeChunks<Sample> chunks(reader, std::numeric_limits<std::uint64_t>::max(), job);
     tbb::enumerable_thread_specific<SpreadSum> sums;
     ISO_TRY(chunks.visit([&sums](std::span<const Sample> samples) { sums.local().add(samples); }));
-    SpreadSum all;
-    for (const SpreadSum& part : sums)
-        all.merge(part);
-    return all.spread();
+    return SpreadSum::spreadOfAll(sums);
 }
 
 } // namespace

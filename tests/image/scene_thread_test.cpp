@@ -10,10 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include <glm/geometric.hpp>
-
-#include "core/extract/full_extraction.h"
-#include "core/grid/scalar_grid.h"
+#include "tests/image/ball_frame.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/render/scene_thread.h"
@@ -90,30 +87,10 @@ TEST_F(SceneThreadTest, AnOrderedPictureIsThatOfItsView) {
     EXPECT_EQ(scene_->take().serial, shown) << "nobody is shown it";
 }
 
-std::shared_ptr<const extract::SurfaceFrame> ballFrame() {
-    constexpr int kBallPoints = 20;
-    GridGeometry geometry;
-    geometry.dims = {kBallPoints, kBallPoints, kBallPoints};
-    std::vector<float> values;
-    for (int z = 0; z < kBallPoints; ++z)
-        for (int y = 0; y < kBallPoints; ++y)
-            for (int x = 0; x < kBallPoints; ++x)
-                values.push_back(-static_cast<float>(glm::length(glm::dvec3(x, y, z) - (kBallPoints - 1) / 2.0)));
-    auto mesh = extract::extractFull(ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values), -7.0).value();
-    auto frame = std::make_shared<extract::SurfaceFrame>();
-    frame->geometry = geometry;
-    frame->isovalue = -7.0;
-    frame->indices = std::move(mesh.triangles);
-    frame->positions = std::move(mesh.positions);
-    frame->normals = std::move(mesh.normals);
-    frame->stats.triangles = frame->indices.size() / 3;
-    return frame;
-}
-
 // Laid over any background, it is the picture with that background.
 TEST_F(SceneThreadTest, AnOrderedPictureCanHaveNoBackground) {
     view_.pixels = {300, 240};
-    view_.frame = ballFrame();
+    view_.frame = sphereFrame(cubeGeometry(20), 7.0);
     view_.camera.reset(render::sceneRadius(view_.frame->geometry));
     view_.look.opacity = 0.5F; // part of what is behind comes through
     const auto ordered = [this](const render::SceneView& view, bool isTransparent) {
@@ -152,7 +129,7 @@ TEST_F(SceneThreadTest, AnOrderedPictureCanHaveNoBackground) {
 
 // A picture four times as large has lines four times as wide, before the surface, behind it and seen through it.
 TEST_F(SceneThreadTest, LinesOfAnOrderedPictureAreAsWideAsAskedFor) {
-    view_.frame = ballFrame();
+    view_.frame = sphereFrame(cubeGeometry(20), 7.0);
     view_.camera.reset(render::sceneRadius(view_.frame->geometry));
     const auto boxCover = [this](int scale, float lineWidth) {
         view_.pixels = glm::ivec2(300, 240) * scale;

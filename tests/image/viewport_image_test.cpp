@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/extract/full_extraction.h"
+#include "tests/image/ball_frame.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/widgets/viewport/viewport_widget.h"
@@ -22,36 +22,6 @@ namespace {
 
 constexpr int kBallPoints = 40;
 constexpr double kRadius = 14.0; // cells
-
-/// -distance from the middle: the isosurface at -r is a sphere of radius r cells.
-ScalarGrid ballGrid(const GridGeometry& geometry) {
-    std::vector<float> values;
-    const float middle = (kBallPoints - 1) / 2.0f;
-    for (int z = 0; z < kBallPoints; ++z)
-        for (int y = 0; y < kBallPoints; ++y)
-            for (int x = 0; x < kBallPoints; ++x)
-                values.push_back(-std::hypot(static_cast<float>(x) - middle, static_cast<float>(y) - middle,
-                                             static_cast<float>(z) - middle));
-    return ScalarGrid::fromValues<float>(geometry, ScalarType::F32, values);
-}
-
-std::shared_ptr<extract::SurfaceFrame> sphereFrame(const GridGeometry& geometry, double radius = kRadius) {
-    auto mesh = extract::extractFull(ballGrid(geometry), -radius).value();
-    auto frame = std::make_shared<extract::SurfaceFrame>();
-    frame->geometry = geometry;
-    frame->isovalue = -radius;
-    frame->positions = std::move(mesh.positions);
-    frame->normals = std::move(mesh.normals);
-    frame->indices = std::move(mesh.triangles);
-    frame->stats.triangles = frame->indices.size() / 3;
-    return frame;
-}
-
-GridGeometry cubeGeometry() {
-    GridGeometry geometry;
-    geometry.dims = {kBallPoints, kBallPoints, kBallPoints};
-    return geometry;
-}
 
 /// The surface, and nothing of the grey background, is warm: clearly more red than blue.
 bool isSurface(QRgb pixel) { return qRed(pixel) > qBlue(pixel) + 12; }
@@ -106,14 +76,14 @@ protected:
 };
 
 TEST_F(ViewportImageTest, AnOrthographicSphereCoversItsDisc) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     const QImage image = grab();
     const double radius = kRadius * pixelsPerUnit(image);
     expectArea(image, std::numbers::pi * radius * radius, 0.02);
 }
 
 TEST_F(ViewportImageTest, APerspectiveSphereCoversItsSilhouette) {
-    show(sphereFrame(cubeGeometry()), true);
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius), true);
     const QImage image = grab();
     const double distance = viewport_->camera().distance();
     const double silhouette = kRadius * distance / std::sqrt(distance * distance - kRadius * kRadius);
@@ -122,7 +92,7 @@ TEST_F(ViewportImageTest, APerspectiveSphereCoversItsSilhouette) {
 }
 
 TEST_F(ViewportImageTest, TheCentreIsBrightAndTheCornersAreBackground) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     const QImage image = grab();
     EXPECT_GT(qGray(image.pixel(image.width() / 2, image.height() / 2)), 150);
     for (const QPoint corner : {QPoint(2, 2), QPoint(image.width() - 3, 2), QPoint(2, image.height() - 3),
@@ -135,15 +105,15 @@ TEST_F(ViewportImageTest, TheCentreIsBrightAndTheCornersAreBackground) {
 TEST_F(ViewportImageTest, EveryPixelIsOpaque) {
     options_.showsBox = true;
     viewport_->setOptions(options_);
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     const QImage image = viewport_->grabFramebuffer().convertToFormat(QImage::Format_ARGB32);
     EXPECT_EQ(countPixels(image, [](QRgb pixel) { return qAlpha(pixel) != 255; }), 0u);
 }
 
 TEST_F(ViewportImageTest, AnisotropicSpacingStretchesTheSphere) {
-    auto geometry = cubeGeometry();
+    auto geometry = cubeGeometry(kBallPoints);
     geometry.spacing = {1.0, 1.0, 2.0};
-    show(sphereFrame(geometry));
+    show(sphereFrame(geometry, kRadius));
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const QImage image = grab();
     const double scale = pixelsPerUnit(image);
@@ -155,12 +125,12 @@ TEST_F(ViewportImageTest, AnisotropicSpacingStretchesTheSphere) {
 }
 
 TEST_F(ViewportImageTest, ALeftHandedVolumeIsSeenFromOutside) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const QImage rightHanded = grab();
-    auto mirrored = cubeGeometry();
+    auto mirrored = cubeGeometry(kBallPoints);
     mirrored.direction[0] = {-1.0, 0.0, 0.0};
-    show(sphereFrame(mirrored));
+    show(sphereFrame(mirrored, kRadius));
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const QImage leftHanded = grab();
     const QPoint centre(rightHanded.width() / 2, rightHanded.height() / 2);
@@ -170,11 +140,11 @@ TEST_F(ViewportImageTest, ALeftHandedVolumeIsSeenFromOutside) {
 }
 
 TEST_F(ViewportImageTest, FarFromTheOriginThePictureIsTheSame) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     const QImage near = grab();
-    auto geometry = cubeGeometry();
+    auto geometry = cubeGeometry(kBallPoints);
     geometry.origin = {1e7, -3e7, 2e7};
-    show(sphereFrame(geometry));
+    show(sphereFrame(geometry, kRadius));
     const QImage far = grab();
     std::size_t different = 0;
     for (int y = 0; y < near.height(); ++y)
@@ -184,7 +154,7 @@ TEST_F(ViewportImageTest, FarFromTheOriginThePictureIsTheSame) {
 }
 
 TEST_F(ViewportImageTest, WhatChangedIsHighlightedWhereItIs) {
-    auto frame = sphereFrame(cubeGeometry());
+    auto frame = sphereFrame(cubeGeometry(kBallPoints), kRadius);
     // The half nearer to the default camera's right: every triangle with x beyond the middle.
     for (std::size_t i = 0; i + 2 < frame->indices.size(); i += 3)
         if (frame->positions[frame->indices[i]].x > (kBallPoints - 1) / 2.0f)
@@ -210,7 +180,7 @@ TEST_F(ViewportImageTest, WhatChangedIsHighlightedWhereItIs) {
 }
 
 TEST_F(ViewportImageTest, ASpotIsHighlightedAndGoesAgain) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     viewport_->changeCamera([](model::Camera& camera) {
         camera.setStandardView(model::StandardView::Front);
         camera.zoom(3.0, {0.0, 0.0}, 1.0);
@@ -235,7 +205,7 @@ TEST_F(ViewportImageTest, ASpotIsHighlightedAndGoesAgain) {
 }
 
 TEST_F(ViewportImageTest, ASpotBehindTheSurfaceHasARingAllTheSame) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const double middle = (kBallPoints - 1) / 2.0;
     const QImage plain = grab();
@@ -252,7 +222,7 @@ TEST_F(ViewportImageTest, ASpotBehindTheSurfaceHasARingAllTheSame) {
 }
 
 TEST_F(ViewportImageTest, ASpotOnWhatChangedIsSeen) {
-    auto frame = sphereFrame(cubeGeometry());
+    auto frame = sphereFrame(cubeGeometry(kBallPoints), kRadius);
     frame->changedIndices.assign(frame->indices.begin(),
                                  frame->indices.begin() + static_cast<std::ptrdiff_t>(frame->indices.size() / 30 * 27));
     show(frame);
@@ -270,16 +240,16 @@ TEST_F(ViewportImageTest, ASpotOnWhatChangedIsSeen) {
 }
 
 TEST_F(ViewportImageTest, ASurfaceThatIsNewThroughoutIsNotHighlighted) {
-    auto frame = sphereFrame(cubeGeometry());
+    auto frame = sphereFrame(cubeGeometry(kBallPoints), kRadius);
     frame->changedIndices = frame->indices;
     show(frame);
     EXPECT_EQ(countPixels(grab(), isHighlight), 0u);
 }
 
 TEST_F(ViewportImageTest, ANewFrameReplacesTheOldOne) {
-    show(sphereFrame(cubeGeometry(), 14.0));
+    show(sphereFrame(cubeGeometry(kBallPoints), 14.0));
     const auto large = countPixels(grab(), isSurface);
-    viewport_->setFrame(sphereFrame(cubeGeometry(), 7.0));
+    viewport_->setFrame(sphereFrame(cubeGeometry(kBallPoints), 7.0));
     const auto small = countPixels(grab(), isSurface);
     EXPECT_NEAR(static_cast<double>(small) / static_cast<double>(large), 0.25, 0.02);
     viewport_->setFrame(nullptr);
@@ -298,7 +268,7 @@ double meanX(const QImage& image) {
 }
 
 TEST_F(ViewportImageTest, APartOfTheVolumeIsDrawnAtItsPlace) {
-    auto frame = sphereFrame(cubeGeometry());
+    auto frame = sphereFrame(cubeGeometry(kBallPoints), kRadius);
     show(frame);
     viewport_->changeCamera([](model::Camera& camera) { camera.setStandardView(model::StandardView::Front); });
     const double middle = meanX(grab());
@@ -311,7 +281,7 @@ TEST_F(ViewportImageTest, APartOfTheVolumeIsDrawnAtItsPlace) {
 }
 
 TEST_F(ViewportImageTest, ThePictureSurvivesANewContext) {
-    show(sphereFrame(cubeGeometry()));
+    show(sphereFrame(cubeGeometry(kBallPoints), kRadius));
     const auto before = countPixels(grab(), isSurface);
     // Another window means another context: everything on the GPU is made again.
     QMainWindow other;

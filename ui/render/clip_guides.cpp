@@ -140,7 +140,7 @@ bool ClipGuides::uploadCap(GLuint texture, const model::CapSamples& samples) {
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    while (gl_.glGetError() != GL_NO_ERROR) {}
+    forgetErrors(gl_);
     gl_.glTexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, samples.plane.width, samples.plane.height, 0, GL_RG, GL_FLOAT,
                      samples.pixels.data());
     return gl_.glGetError() == GL_NO_ERROR;

@@ -10,6 +10,8 @@
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 
+#include "ui/render/gl_driver.h"
+
 namespace isoslider::render {
 namespace {
 
@@ -83,7 +85,7 @@ void ColourUniforms::uploadField() {
         gl_.glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
         gl_.glTexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
-    while (gl_.glGetError() != GL_NO_ERROR) {}
+    forgetErrors(gl_);
     gl_.glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     gl_.glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, static_cast<GLsizei>(field_->dims[0]),
                      static_cast<GLsizei>(field_->dims[1]), static_cast<GLsizei>(field_->dims[2]), 0, GL_RED, GL_FLOAT,

@@ -21,6 +21,8 @@ bool takeOutOfMemory(Gl& gl) {
 
 } // namespace
 
+void forgetErrors(Gl& gl) { takeOutOfMemory(gl); }
+
 GLuint GlDriver::makeBuffer(Gl& gl) {
     GLuint buffer = 0;
     gl.glGenBuffers(1, &buffer);
@@ -30,7 +32,7 @@ GLuint GlDriver::makeBuffer(Gl& gl) {
 void GlDriver::freeBuffer(Gl& gl, GLuint buffer) { gl.glDeleteBuffers(1, &buffer); }
 
 bool GlDriver::allocate(Gl& gl, GLenum target, GLuint buffer, std::size_t bytes) {
-    takeOutOfMemory(gl); // what came before is not this call's
+    forgetErrors(gl);
     gl.glBindBuffer(target, buffer);
     gl.glBufferData(target, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_DRAW);
     return !takeOutOfMemory(gl);

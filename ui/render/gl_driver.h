@@ -8,6 +8,9 @@ class QOpenGLContext;
 
 namespace isoslider::render {
 
+/// What came before is not the next call's. Ends although a lost context may report errors for ever.
+void forgetErrors(Gl& gl);
+
 /// The calls in which a graphics card that is short of memory, or was reset, reports it. A test puts a separate driver
 /// in place. REQUIRES for every call: the context is current, or cannot be made so any more.
 class GlDriver {

@@ -47,7 +47,7 @@ bool PictureTarget::bind(glm::ivec2 pixels) {
 }
 
 bool PictureTarget::allocate(glm::ivec2 pixels) {
-    while (gl_.glGetError() != GL_NO_ERROR) {}
+    forgetErrors(gl_);
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, drawn_);
     const auto attach = [&](GLuint buffer, GLenum format, GLenum place) {
         gl_.glBindRenderbuffer(GL_RENDERBUFFER, buffer);

@@ -172,7 +172,7 @@ private:
             return QImage();
         if (!renderer_.draw(view, SceneRenderer::Detail::Whole, isStopped))
             return std::nullopt;
-        while (gl_->glGetError() != GL_NO_ERROR) {}
+        forgetErrors(*gl_);
         whole_->resolve(ordered_);
         QImage picture = whole_->read(ordered_, view.pixels);
         return gl_->glGetError() == GL_NO_ERROR ? std::move(picture) : QImage(); // no memory for it

@@ -147,7 +147,7 @@ void SlicePlanes::uploadTexture(Plane& plane) {
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    while (gl_.glGetError() != GL_NO_ERROR) {}
+    forgetErrors(gl_);
     gl_.glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, shades.plane.width, shades.plane.height, 0, GL_BGRA,
                      GL_UNSIGNED_INT_8_8_8_8_REV, shades.pixels.data());
     plane.isRefused = gl_.glGetError() != GL_NO_ERROR;

@@ -14,11 +14,7 @@ std::string aboutMark(const ValueSpread& spread) { return spread.isExact ? "" : 
 
 } // namespace
 
-std::optional<AskedIsovalue> isovalueFrom(std::string_view text) {
-    const bool isInDeviations = removeDeviationWord(text);
-    const auto number = numberFrom(text);
-    return number ? std::optional(AskedIsovalue(*number, isInDeviations)) : std::nullopt;
-}
+std::optional<AskedIsovalue> isovalueFrom(std::string_view text) { return askedIsovalueFrom(text, numberFrom); }
 
 std::string deviationsText(double isovalue, const ValueSpread& spread) {
     if (!(spread.deviation > 0.0))
