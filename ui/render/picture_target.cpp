@@ -6,6 +6,8 @@
 
 #include <glm/common.hpp>
 
+#include "ui/render/gl_driver.h"
+
 namespace isoslider::render {
 
 PictureTarget::PictureTarget(Gl& gl, int samples) : gl_(gl) {
