@@ -187,13 +187,26 @@ private:
         int apex = -1;
     };
 
+    using Costs = std::array<std::array<double, 12>, 12>;
+    // Of the diagonals between all edges.
+    static const Costs& allCosts() {
+        static const auto costs = [] {
+            Costs all;
+            for (std::size_t a = 0; a < all.size(); ++a)
+                for (std::size_t b = 0; b < all.size(); ++b)
+                    all[a][b] = (facesOfEdges()[a] & facesOfEdges()[b]) != 0
+                                    ? std::numeric_limits<double>::infinity()
+                                    : squaredLength(edgeMiddle(static_cast<int>(a)) - edgeMiddle(static_cast<int>(b)));
+            return all;
+        }();
+        return costs;
+    }
+
     double diagonal(int i, int j) const {
         if (j == i + 1)
             return 0.0;
         const int a = loop_[static_cast<std::size_t>(i)], b = loop_[static_cast<std::size_t>(j)];
-        if (facesOfEdges()[static_cast<std::size_t>(a)] & facesOfEdges()[static_cast<std::size_t>(b)])
-            return std::numeric_limits<double>::infinity();
-        return squaredLength(edgeMiddle(a) - edgeMiddle(b));
+        return costs_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
     }
 
     const Choice& best(int first, int last) {
@@ -223,6 +236,7 @@ private:
     }
 
     const Loop& loop_;
+    const Costs& costs_ = allCosts();
     std::array<std::array<Choice, 12>, 12> choices_;
 };
 
@@ -255,42 +269,53 @@ class Band {
 public:
     Band(const Loop& loop, const std::vector<int>& ring, const std::array<std::uint8_t, 6>& corners)
         : loop_(loop), ring_(ring) {
-        for (const int e : loop)
-            loopPoints_.push_back(edgeMiddle(e));
-        for (const int k : ring)
-            ringPoints_.push_back(ringPoint(corners[static_cast<std::size_t>(k)]));
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            for (std::size_t k = 0; k < ring.size(); ++k)
+                lengths_[i][k] =
+                    squaredLength(edgeMiddle(loop[i]) - ringPoint(corners[static_cast<std::size_t>(ring[k])]));
     }
 
-    void append(std::vector<std::uint8_t>& triangles) {
+    void append(std::vector<std::uint8_t>& triangles) const {
         double bestCost = std::numeric_limits<double>::infinity();
-        std::vector<std::uint8_t> bestTriangles;
-        for (std::size_t start = 0; start < ring_.size(); ++start) {
-            std::vector<std::uint8_t> candidate;
-            const double cost = fromStart(start, candidate);
-            if (cost < bestCost - 1e-9) {
+        std::size_t bestStart = 0;
+        Costs costs;
+        for (std::size_t start = 0; start < ring_.size(); ++start)
+            if (const double cost = findCosts(start, costs); cost < bestCost - 1e-9) {
                 bestCost = cost;
-                bestTriangles = candidate;
+                bestStart = start;
             }
-        }
-        triangles.insert(triangles.end(), bestTriangles.begin(), bestTriangles.end());
+        findCosts(bestStart, costs);
+        goBack(bestStart, costs, triangles);
     }
 
 private:
-    double fromStart(std::size_t start, std::vector<std::uint8_t>& triangles) const {
+    static constexpr std::size_t kMostOfLoop = 12, kRing = 6;
+    // By vertices of the loop and of the ring, both closed: the costs of the paths from (0, 0).
+    using Costs = std::array<std::array<double, kRing + 1>, kMostOfLoop + 1>;
+
+    double findCosts(std::size_t start, Costs& cost) const {
         const std::size_t n = loop_.size(), m = ring_.size();
-        const auto length = [&](std::size_t i, std::size_t j) {
-            return squaredLength(loopPoints_[i % n] - ringPoints_[(start + j) % m]);
-        };
-        std::vector<std::vector<double>> cost(n + 1,
-                                              std::vector<double>(m + 1, std::numeric_limits<double>::infinity()));
-        cost[0][0] = length(0, 0);
-        for (std::size_t i = 0; i <= n; ++i)
-            for (std::size_t j = 0; j <= m; ++j) {
+        for (std::size_t i = 0; i <= n; ++i) {
+            const auto& lengths = lengths_[i < n ? i : 0];
+            for (std::size_t j = 0, k = start; j <= m; ++j, k = k + 1 < m ? k + 1 : 0) {
+                if (i + j == 0) {
+                    cost[0][0] = lengths[k];
+                    continue;
+                }
+                double least = std::numeric_limits<double>::infinity();
                 if (i > 0)
-                    cost[i][j] = std::min(cost[i][j], cost[i - 1][j] + length(i, j));
+                    least = std::min(least, cost[i - 1][j] + lengths[k]);
                 if (j > 0)
-                    cost[i][j] = std::min(cost[i][j], cost[i][j - 1] + length(i, j));
+                    least = std::min(least, cost[i][j - 1] + lengths[k]);
+                cost[i][j] = least;
             }
+        }
+        return cost[n][m];
+    }
+
+    // The triangles of the cheapest path, from its end on.
+    void goBack(std::size_t start, const Costs& cost, std::vector<std::uint8_t>& triangles) const {
+        const std::size_t n = loop_.size(), m = ring_.size();
         const auto edge = [&](std::size_t i) { return static_cast<std::uint8_t>(loop_[i % n]); };
         const auto inner = [&](std::size_t j) {
             return static_cast<std::uint8_t>(kInnerVertex + ring_[(start + j) % m]);
@@ -306,12 +331,11 @@ private:
                 --j;
             }
         }
-        return cost[n][m];
     }
 
     const Loop& loop_;
     const std::vector<int>& ring_;
-    std::vector<Point> loopPoints_, ringPoints_;
+    std::array<std::array<double, kRing>, kMostOfLoop> lengths_; ///< squared, by vertices of both
 };
 
 class StateTable {

@@ -110,25 +110,31 @@ void LiveSurface<Live>::countLeaves(const Brick& brick, int sign, Counts& counts
         counts[level] += static_cast<Count>(sign * brick.mergedByLevel[level - 1]);
 }
 
+// What may fail comes before anything is added: afterwards all tables have one length.
+template <class Live>
+void LiveSurface<Live>::makeRoomFor(std::size_t bricks) {
+    const std::size_t slots = slotCount() + bricks - std::min(bricks, free_.size());
+    bricks_.grow(slots);
+    if (slots <= intervals_.capacity())
+        return;
+    const std::size_t room = std::max(slots, 2 * slotCount());
+    nearMissing_.reserve(room);
+    intervals_.reserve(room);
+    hasInner_.reserve(room);
+    shown_.reserve(room);
+    free_.reserve(room);
+}
+
 template <class Live>
 BrickSlot LiveSurface<Live>::add(BrickIndex index, const std::optional<KeptPoints::Kept>& points) {
     if (free_.empty()) {
-        // What may fail because memory is short comes first: afterwards all tables have one length.
-        const std::size_t slots = slotCount() + 1;
-        bricks_.grow(slots);
-        if (slots > intervals_.capacity()) {
-            nearMissing_.reserve(2 * slots);
-            intervals_.reserve(2 * slots);
-            hasInner_.reserve(2 * slots);
-            shown_.reserve(2 * slots);
-            free_.reserve(2 * slots);
-        }
-        bricks_[slots - 1] = Brick();
+        makeRoomFor(1);
+        static_cast<LiveBrickHead&>(bricks_[slotCount()]) = {};
         nearMissing_.emplace_back();
         intervals_.push_back(kAlways);
         hasInner_.push_back(0);
         shown_.emplace_back();
-        free_.push_back(BrickSlot(slots - 1));
+        free_.push_back(BrickSlot(slotCount() - 1));
     }
     const BrickSlot slot = free_.back();
     const bool isNearMissing = shapes_.isNearMissing(index);

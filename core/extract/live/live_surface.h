@@ -67,6 +67,8 @@ public:
     void clear();
     /// The same after a move that has failed, in whatever state that has left the surface; gives the memory back.
     void drop() noexcept;
+    /// So many may be added before tables grow again. Throws std::bad_alloc.
+    void makeRoomFor(std::size_t bricks);
     /// Starts a live brick without triangles. REQUIRES: shapes().hasCells(brick).
     BrickSlot add(BrickIndex brick, const std::optional<KeptPoints::Kept>& points = std::nullopt);
     void remove(BrickSlot slot);

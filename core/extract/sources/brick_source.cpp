@@ -254,6 +254,7 @@ Status BrickSource<Sample>::changeActiveSet(const Move& move, LiveSurface<Live>&
         if (bound_.limit > 0.0 || hasNewBound_)
             leavesOf_[brick.index()] = {};
     }
+    surface.makeRoomFor(net.arrive.size());
     for (std::size_t i = 0; i < net.arrive.size(); ++i) {
         const BrickIndex brick = net.arrive[i];
         if (slotOf_[brick.index()] != 0)
@@ -405,8 +406,7 @@ void BrickSource<Sample>::prefetchPoints(const LiveSurface<Live>& surface, const
 template <class Sample>
 Status BrickSource<Sample>::runJobs(const Move& move, LiveSurface<Live>& surface, std::vector<Job> jobs,
                                     SlideStats& stats, const JobControl& control, const Work& work) {
-    constexpr std::size_t kAhead =
-        2; // bricks; one is too few where other programs have been in the caches, three are no better
+    constexpr std::size_t kAhead = 2; // bricks; one is too few with other programs in the caches, three are no better
     const std::stop_token& stop = control.stop;
     SharedProgress progress(control, jobs.size(), "extracting");
     const auto run = [&](std::span<const Job> some) {
