@@ -1,5 +1,12 @@
 #version 330 core
 // Two-sided: a key light, a headlight, a cool fill from below right.
+#ifdef WIDE_EDGES // what edges.geom makes of them
+#define viewPosition edgePosition
+#define viewNormal edgeNormal
+#define gridPosition edgeGridPosition
+#define leafLevel edgeLevel
+#define tintColour edgeTint
+#endif
 in vec3 viewPosition;
 in vec3 viewNormal;
 in vec3 gridPosition; // grid index units

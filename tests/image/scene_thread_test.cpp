@@ -10,7 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include "preprocess/metacells/brick_list.h"
 #include "tests/image/ball_frame.h"
+#include "tests/support/result_matchers.h"
 #include "ui/render/gl_support.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/render/scene_thread.h"
@@ -38,6 +40,24 @@ protected:
         while ((picture = scene_->take()).serial < serial && clock.elapsed() < 20'000)
             QThread::msleep(1);
         return picture;
+    }
+
+    /// What changes with an option in pictures of 300 x 240 times a scale: of pixels that lines touch in part, a part.
+    double coverOf(bool& option, int scale, float lineWidth) {
+        view_.pixels = glm::ivec2(300, 240) * scale;
+        view_.lineWidth = lineWidth;
+        std::array<QImage, 2> pictures;
+        for (const bool isOn : {false, true}) {
+            option = isOn;
+            const auto order = std::make_shared<render::PictureOrder>(view_);
+            scene_->order(order);
+            pictures[isOn] = order->waitFor(std::chrono::seconds(20)).value_or(QImage());
+        }
+        double cover = 0.0;
+        for (int y = 0; y < pictures[0].height(); ++y)
+            for (int x = 0; x < pictures[0].width(); ++x)
+                cover += std::abs(qGreen(pictures[0].pixel(x, y)) - qGreen(pictures[1].pixel(x, y)));
+        return cover;
     }
 
     render::SceneView view_;
@@ -131,29 +151,35 @@ TEST_F(SceneThreadTest, AnOrderedPictureCanHaveNoBackground) {
 TEST_F(SceneThreadTest, LinesOfAnOrderedPictureAreAsWideAsAskedFor) {
     view_.frame = sphereFrame(cubeGeometry(20), 7.0);
     view_.camera.reset(render::sceneRadius(view_.frame->geometry));
-    const auto boxCover = [this](int scale, float lineWidth) {
-        view_.pixels = glm::ivec2(300, 240) * scale;
-        view_.lineWidth = lineWidth;
-        std::array<QImage, 2> pictures;
-        for (const bool hasBox : {false, true}) {
-            view_.options.showsBox = hasBox;
-            const auto order = std::make_shared<render::PictureOrder>(view_);
-            scene_->order(order);
-            pictures[hasBox] = order->waitFor(std::chrono::seconds(20)).value_or(QImage());
-        }
-        double cover = 0.0; // of pixels that lines touch in part, a part
-        for (int y = 0; y < pictures[0].height(); ++y)
-            for (int x = 0; x < pictures[0].width(); ++x)
-                cover += std::abs(qGreen(pictures[0].pixel(x, y)) - qGreen(pictures[1].pixel(x, y)));
-        return cover;
-    };
     for (const float opacity : {1.0F, 0.5F}) {
         SCOPED_TRACE(opacity);
         view_.look.opacity = opacity;
-        const double once = boxCover(1, 1.0F), thin = boxCover(4, 1.0F), wide = boxCover(4, 4.0F);
+        bool& lines = view_.options.showsBox;
+        const double once = coverOf(lines, 1, 1.0F), thin = coverOf(lines, 4, 1.0F), wide = coverOf(lines, 4, 4.0F);
         EXPECT_GT(once, 10'000.0);
         EXPECT_NEAR(thin / once, 4.0, 0.4);
         EXPECT_NEAR(wide / thin, 4.0, 0.4);
+    }
+}
+
+// So has triangles' edges, whether the surface comes as arrays or as bricks; those behind stay hidden.
+TEST_F(SceneThreadTest, TriangleEdgesOfAnOrderedPictureAreAsWideAsAskedFor) {
+    const GridGeometry plain = cubeGeometry(20);
+    GridGeometry mirrored = plain;
+    mirrored.direction[0] = {-1.0, 0.0, 0.0};
+    const auto engine = preprocess::makeMemoryEngine(std::make_shared<const ScalarGrid>(ballGrid(plain)));
+    ASSERT_THAT(engine, IsOk());
+    ASSERT_THAT(engine.value()->slideTo(-7.0), IsOk());
+    const auto ofBricks = std::make_shared<extract::SurfaceFrame>();
+    engine.value()->copyFrame(*ofBricks);
+    view_.camera.reset(render::sceneRadius(plain));
+    bool& edges = view_.options.showsEdges;
+    for (const auto& frame : {sphereFrame(plain, 7.0), sphereFrame(mirrored, 7.0), ofBricks}) {
+        view_.frame = frame;
+        const double once = coverOf(edges, 1, 1.0F), thin = coverOf(edges, 4, 1.0F), wide = coverOf(edges, 4, 4.0F);
+        EXPECT_GT(once, 100'000.0);
+        EXPECT_LT(thin / once, 6.5) << "at once many lie beside each other";
+        EXPECT_NEAR(wide / once, 16.0, 2.0);
     }
 }
 

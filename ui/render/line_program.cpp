@@ -5,11 +5,6 @@
 #include "ui/render/gl_program.h"
 
 namespace isoslider::render {
-namespace {
-
-constexpr float kLeastWide = 1.25f; // pixels; nearly one is one
-
-} // namespace
 
 bool LineProgram::initialize() {
     thin_ = loadProgram("line", "line", define_);
@@ -17,7 +12,7 @@ bool LineProgram::initialize() {
 }
 
 QOpenGLShaderProgram& LineProgram::bind(const LineView& view) {
-    const bool wantsWide = view.width >= kLeastWide;
+    const bool wantsWide = isWideLine(view.width);
     if (wantsWide && !std::exchange(isWideTried_, true))
         wide_ = loadProgram("line", "line", define_, "line");
     const bool isWide = wantsWide && wide_ != nullptr;
@@ -30,6 +25,12 @@ QOpenGLShaderProgram& LineProgram::bind(const LineView& view) {
         program.setUniformValue("lineWidth", view.width);
     }
     return program;
+}
+
+QOpenGLShaderProgram* WideEdgesProgram::get() {
+    if (!std::exchange(isTried_, true))
+        program_ = loadProgram(vertex_, "surface", "WIDE_EDGES", "edges");
+    return program_.get();
 }
 
 } // namespace isoslider::render

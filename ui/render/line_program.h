@@ -17,6 +17,9 @@ struct LineView {
     glm::ivec2 pixels; ///< of the picture
 };
 
+/// Whether a line of this width, in pixels, wants a rectangle: nearly one is one.
+constexpr bool isWideLine(float width) { return width >= 1.25f; }
+
 /// Draws lines of any width. OpenGL without its old functions has those of one pixel only, which in a picture of many
 /// pixels nobody sees: wider ones are made rectangles.
 class LineProgram {
@@ -34,6 +37,21 @@ private:
     std::unique_ptr<QOpenGLShaderProgram> thin_;
     std::unique_ptr<QOpenGLShaderProgram> wide_; ///< made when it is first wanted; null if the driver refuses
     bool isWideTried_ = false;
+};
+
+/// Draws the edges of triangles as wide as lines: a program as that of the triangles, with `lineWidth` and
+/// `viewportPixels` besides.
+class WideEdgesProgram {
+public:
+    /// `vertex`: the shader that makes the vertices.
+    explicit WideEdgesProgram(const char* vertex) : vertex_(vertex) {}
+    /// Made when it is first wanted; null if the driver refuses. REQUIRES: a current context.
+    QOpenGLShaderProgram* get();
+
+private:
+    const char* vertex_;
+    std::unique_ptr<QOpenGLShaderProgram> program_;
+    bool isTried_ = false;
 };
 
 } // namespace isoslider::render

@@ -159,6 +159,7 @@ struct SceneRenderer::Resources {
     std::unique_ptr<QOpenGLShaderProgram> arraysProgram;
     std::unique_ptr<QOpenGLShaderProgram> bricksProgram;
     std::unique_ptr<QOpenGLShaderProgram> arraysPeelingProgram, bricksPeelingProgram;
+    WideEdgesProgram wideEdgesOfArrays{"surface"}, wideEdgesOfBricks{"surface_bricks"};
 };
 
 double sceneRadius(const GridGeometry& geometry) {
@@ -465,14 +466,15 @@ bool SceneRenderer::drawOpaque(const OnCard& surface, const SceneView& view, con
         gl.glDisable(GL_POLYGON_OFFSET_FILL);
     }
     if (isWhole && hasMarks)
-        isWhole = drawMarks(program, surface, view.options, isStopped);
+        isWhole = drawMarks(program, surface, view, isStopped);
     endProgram(program);
     return isWhole;
 }
 
-bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
+bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const SceneView& view,
                               const std::function<bool()>& isStopped) {
     auto& gl = resources_->gl;
+    const model::ViewOptions& options = view.options;
     const double changed = surface.buffers.changedShare();
     if (options.showsChanged && changed > 0.0 && changed < kLargestHighlight) {
         program.setUniformValue("highlightColour", toQt(colours_.highlight));
@@ -483,13 +485,22 @@ bool SceneRenderer::drawMarks(QOpenGLShaderProgram& program, const OnCard& surfa
     }
     if (!options.showsEdges)
         return true;
-    program.setUniformValue("highlightColour", toQt(colours_.edges));
-    program.setUniformValue("spotColour", QVector4D());
-    gl.glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    gl.glEnable(GL_POLYGON_OFFSET_LINE);
+    auto& wideEdges = surface.buffers.isOfBricks() ? resources_->wideEdgesOfBricks : resources_->wideEdgesOfArrays;
+    QOpenGLShaderProgram* const wide = isWideLine(view.lineWidth) ? wideEdges.get() : nullptr;
+    QOpenGLShaderProgram& its = wide != nullptr ? *wide : program;
+    if (wide != nullptr) {
+        useProgram(its, surface, view);
+        its.setUniformValue("viewportPixels", static_cast<float>(view.pixels.x), static_cast<float>(view.pixels.y));
+        its.setUniformValue("lineWidth", view.lineWidth);
+    }
+    its.setUniformValue("highlightColour", toQt(colours_.edges));
+    its.setUniformValue("spotColour", QVector4D());
+    const GLenum offset = wide != nullptr ? GL_POLYGON_OFFSET_FILL : GL_POLYGON_OFFSET_LINE;
+    gl.glPolygonMode(GL_FRONT_AND_BACK, wide != nullptr ? GL_FILL : GL_LINE);
+    gl.glEnable(offset);
     gl.glPolygonOffset(-1.0f, -1.0f);
     const bool isWhole = surface.buffers.draw(surface.matrices.surface, isStopped);
-    gl.glDisable(GL_POLYGON_OFFSET_LINE);
+    gl.glDisable(offset);
     gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     return isWhole;
 }

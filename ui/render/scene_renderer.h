@@ -80,7 +80,7 @@ private:
     void endProgram(QOpenGLShaderProgram& program);
     bool drawOpaque(const OnCard& surface, const SceneView& view, const std::function<bool()>& isStopped);
     /// What is drawn on the active surface.
-    bool drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const model::ViewOptions& options,
+    bool drawMarks(QOpenGLShaderProgram& program, const OnCard& surface, const SceneView& view,
                    const std::function<bool()>& isStopped);
     bool isAnyTransparent(const std::vector<OnCard>& surfaces) const;
     bool drawTransparent(const std::vector<OnCard>& surfaces, const Matrices& ofVolume, const SceneView& view,

@@ -41,7 +41,7 @@ struct SceneView {
     SurfaceLook look; ///< of the frame
     std::vector<InactiveSurface> inactive; ///< in any order: the picture is the same
     model::SurfaceColours colours; ///< of all of them
-    float lineWidth = 1.0f; ///< pixels, of the box, the crop box, planes and what lies in them
+    float lineWidth = 1.0f; ///< pixels, of the box, the crop box, planes, what lies in them, and triangle edges
     std::optional<glm::vec3> plainBackground{}; ///< as seen; none: that of the options, which lines are made for
 };
 
