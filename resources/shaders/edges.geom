@@ -42,10 +42,10 @@ void lookAtTriangle() {
         depthSlope = vec2(u.z * v.y - u.y * v.z, u.x * v.z - u.z * v.x) / area;
 }
 
-void emitAt(int from, int to, float share, vec2 step) {
+void emitAt(int from, int to, float share, vec2 further) {
     vec4 place = mix(gl_in[from].gl_Position, gl_in[to].gl_Position, share);
-    float depth = clamp(dot(depthSlope, step), -greatestStep, greatestStep);
-    gl_Position = place + vec4(step, depth, 0.0) * place.w;
+    float depth = clamp(dot(depthSlope, further), -greatestStep, greatestStep);
+    gl_Position = place + vec4(further, depth, 0.0) * place.w;
     edgePosition = mix(viewPosition[from], viewPosition[to], share);
     edgeNormal = mix(viewNormal[from], viewNormal[to], share);
     edgeGridPosition = mix(gridPosition[from], gridPosition[to], share);

@@ -99,6 +99,17 @@ void findSigns(const T* HWY_RESTRICT samples, T threshold, std::uint64_t* HWY_RE
     constexpr bool kIsCyclic = std::is_unsigned_v<T>;
     const auto areBelow = [&](const T* HWY_RESTRICT from) HWY_ATTR {
         const auto sample = hn::Load(d, from);
+#if HWY_TARGET == HWY_AVX2
+        if constexpr (std::is_same_v<T, float>) {
+            // What is left out becomes no number, and of one and a number the least and the greatest are the second
+            // operand: to choose between two values takes this instruction set two or three steps.
+            const __m256 isBelow = _mm256_cmp_ps(sample.raw, limit.raw, _CMP_LT_OQ),
+                         isAbove = _mm256_cmp_ps(sample.raw, limit.raw, _CMP_NLT_UQ);
+            up.raw = _mm256_min_ps(_mm256_or_ps(sample.raw, isBelow), up.raw);
+            down.raw = _mm256_max_ps(_mm256_or_ps(sample.raw, isAbove), down.raw);
+            return hn::MaskFromVec(hn::Vec<decltype(d)>{isBelow});
+        }
+#endif
         const auto isBelow = hn::Lt(sample, limit);
         if constexpr (kIsCyclic) {
             const auto beyond = hn::Sub(sample, limit);
