@@ -176,6 +176,13 @@ fs::path folderOf(const fs::path& path) {
 
 class PosixFileSystem final : public FileSystem {
 public:
+    // A file system without permissions refuses; what it keeps is as it was.
+    void copyPermissions(const fs::path& from, const fs::path& to) override {
+        struct stat facts {};
+        if (::stat(from.c_str(), &facts) == 0 && S_ISREG(facts.st_mode))
+            (void)::chmod(to.c_str(), (facts.st_mode & 0777) | S_IRUSR | S_IWUSR);
+    }
+
     Result<std::unique_ptr<RandomAccessFile>> openForReading(const fs::path& path) override {
         // O_NONBLOCK: opening a pipe must not wait for a writer; it means nothing to regular files.
         FileDescriptor descriptor(openRetrying(path, O_RDONLY | O_NONBLOCK | O_NOCTTY));
@@ -300,6 +307,8 @@ Status RandomAccessFile::readExactlyAt(std::uint64_t offset, std::span<std::byte
     return {};
 }
 
+void FileSystem::copyPermissions(const fs::path&, const fs::path&) {}
+
 Result<fs::path> FileSystem::outputTarget(const fs::path& path) {
     ISO_TRY(checkOutputPath(path));
     return linkTarget(path);
@@ -342,6 +351,7 @@ Result<std::unique_ptr<AtomicFile>> AtomicFile::create(const fs::path& path, Fil
     if (!file.isOk())
         return std::move(file).error();
     atomic->file_ = std::move(file).value();
+    fileSystem.copyPermissions(atomic->target_, atomic->partial_); // before there is anything to read
     return atomic;
 }
 

@@ -82,6 +82,8 @@ public:
     /// Where a file written at `path` comes to lie; reports before any work whether it could be written. That of the
     /// disk: checkOutputPath() and linkTarget(), which see.
     virtual Result<std::filesystem::path> outputTarget(const std::filesystem::path& path);
+    /// Gives a file the permissions of the one that it is to replace, if there is one and it can.
+    virtual void copyPermissions(const std::filesystem::path& from, const std::filesystem::path& to);
     /// Whether what is written outlives the process.
     virtual bool keepsFiles() const { return true; }
     /// Of the file system that `folder` lies on; one that states nothing has no end. Errors: NotFound, IoError.

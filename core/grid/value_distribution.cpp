@@ -221,6 +221,8 @@ void fillBodyFromValues(ValueDistribution& out) {
     std::copy_if(out.cells.begin(), out.cells.end(), std::back_inserter(within),
                  [lower = lower, upper = upper](const auto& c) { return c.lower >= lower && c.lower <= upper; });
     out.spacing = spacingOf(within); // a fill value need not be a multiple
+    if (!std::isfinite(upper - lower)) // of more than a number can hold, steps cannot be counted
+        out.spacing = 0.0;
     double bins = out.spacing > 0.0 ? std::round((upper - lower) / out.spacing) + 1.0 : 0.0;
     if (bins > 0.0) {
         // More whole numbers than can be drawn share bins.

@@ -119,11 +119,13 @@ std::string gridText(const GridGeometry& geometry) {
            (geometry.isLeftHanded() ? ", left-handed" : ", right-handed");
 }
 
-std::string nudgeText(const Nudge& nudge, const std::string& unit) {
+// A vertex that is interpolated along the edge of a merged cell may lie beside the one grid edge on it that is active.
+std::string nudgeText(const Nudge& nudge, const std::string& unit, bool isMerged) {
     if (nudge.vertices == 0)
         return "0";
-    return text(nudge.vertices) + ", held off grid points, by at most " + text(nudge.largestCells) + " cells (" +
-           text(nudge.largestWorld) + " " + unitName(unit) + ")";
+    return text(nudge.vertices) + ", held off grid points" + (isMerged ? " and on active grid edges" : "") +
+           ", by at most " + text(nudge.largestCells) + " cells (" + text(nudge.largestWorld) + " " + unitName(unit) +
+           ")";
 }
 
 } // namespace
@@ -213,7 +215,7 @@ std::vector<CertificateLine> checkedLines(const Certificate& certificate) {
             {"oriented", text(report.isOriented)},
             {"degenerate triangles", text(report.degenerateTriangles)},
             {"duplicate triangles", text(report.duplicateTriangles)},
-            {"nudged vertices", nudgeText(certificate.nudge, certificate.lengthUnit)},
+            {"nudged vertices", nudgeText(certificate.nudge, certificate.lengthUnit, !certificate.merging.empty())},
             {"valid", faults.empty() ? "yes" : "no: " + joined(faults)}};
 }
 

@@ -29,6 +29,9 @@ public:
     Result<std::filesystem::path> outputTarget(const std::filesystem::path& path) override {
         return fileSystem_.outputTarget(path);
     }
+    void copyPermissions(const std::filesystem::path& from, const std::filesystem::path& to) override {
+        fileSystem_.copyPermissions(from, to);
+    }
     Result<DiskSpace> space(const std::filesystem::path& folder) override { return fileSystem_.space(folder); }
 
 private:

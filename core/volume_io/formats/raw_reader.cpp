@@ -2,6 +2,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <tuple>
+#include <type_traits>
 
 #include "core/base/file_system.h"
 #include "core/grid/scalar_key.h"
@@ -31,6 +33,28 @@ double roughness(std::span<const std::byte> bytes, bool isSwapped) {
     return count > 1 ? sum / static_cast<double>(count - 1) : 0.0;
 }
 
+/// Whether nearly all samples are zero or ordinary numbers. Floats of few bits, such as whole numbers, are next to zero
+/// in the wrong byte order, all of them, and so smooth.
+template <class Sample>
+bool areOrdinary(std::span<const std::byte> bytes, bool isSwapped) {
+    if constexpr (std::is_floating_point_v<Sample>) {
+        constexpr std::size_t kOneInSoMany = 10;
+        std::size_t other = 0, strange = 0;
+        for (std::size_t at = 0; at + sizeof(Sample) <= bytes.size(); at += sizeof(Sample)) {
+            std::array<std::byte, sizeof(Sample)> sample;
+            std::copy_n(bytes.data() + at, sizeof(Sample), sample.begin());
+            if (isSwapped)
+                std::reverse(sample.begin(), sample.end());
+            const auto value = std::bit_cast<Sample>(sample);
+            other += value != Sample(0);
+            strange += value != Sample(0) && !std::isnormal(value);
+        }
+        return kOneInSoMany * strange <= other;
+    } else {
+        return true;
+    }
+}
+
 /// A note where the other byte order makes the samples far smoother. Looks at the middle of the file.
 std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const RawLayout& layout,
                                           std::uint64_t samples) {
@@ -44,14 +68,16 @@ std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const Ra
     if (!file.readExactlyAt(middle, bytes).isOk())
         return std::nullopt;
     const bool needsSwap = layout.isBigEndian != (std::endian::native == std::endian::big);
-    const auto [asTold, otherwise] = visitScalarType(layout.type, [&](auto sample) {
+    const auto [asTold, otherwise, isOrdinary, isPossible] = visitScalarType(layout.type, [&](auto sample) {
         using Sample = decltype(sample);
-        return std::pair(roughness<Sample>(bytes, needsSwap), roughness<Sample>(bytes, !needsSwap));
+        return std::tuple(roughness<Sample>(bytes, needsSwap), roughness<Sample>(bytes, !needsSwap),
+                          areOrdinary<Sample>(bytes, needsSwap), areOrdinary<Sample>(bytes, !needsSwap));
     });
-    if (!(asTold > kFarSmoother * otherwise) || otherwise == 0.0)
+    const bool isRough = asTold > kFarSmoother * otherwise && otherwise > 0.0;
+    if (!isPossible || (isOrdinary && !isRough))
         return std::nullopt;
-    return std::string("its samples would be far smoother in the other byte order: are they ") +
-           (layout.isBigEndian ? "little" : "big") + "-endian?";
+    return std::string("its samples would be ") + (isRough ? "far smoother" : "more usual numbers") +
+           " in the other byte order: are they " + (layout.isBigEndian ? "little" : "big") + "-endian?";
 }
 
 } // namespace

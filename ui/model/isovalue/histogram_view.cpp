@@ -69,8 +69,9 @@ HistogramView::Outline HistogramView::bodyOutline(double lower, double upper, in
     const double width = binWidth();
     const auto bins = static_cast<double>(body.counts.size());
     const double perColumn = (upper - lower) / std::max(1, columns) / width;
-    // Whole numbers of bins in a column, from the first bin on: the same columns wherever the view is moved.
-    const auto merged = static_cast<std::size_t>(std::max(1.0, std::ceil(perColumn - 1e-9)));
+    // Whole numbers of bins in a column, from the first bin on: the same columns wherever the view is moved. Of values
+    // that are all next to zero a view may hold more columns than any number of bins.
+    const auto merged = static_cast<std::size_t>(std::min(bins, std::max(1.0, std::ceil(perColumn - 1e-9))));
     const auto clamped = [&](double bin) { return static_cast<std::size_t>(std::clamp(bin, 0.0, bins)); };
     std::size_t bin = clamped(std::floor((lower - body.min) / width)) / merged * merged;
     const std::size_t end = clamped(std::ceil((upper - body.min) / width));
@@ -131,7 +132,8 @@ HistogramView::Outline HistogramView::outline(const ValueScale& scale, double lo
     const auto& body = values_->body;
     const double slack = 0.05 * (body.max - body.min);
     const bool isInBody = lowerPlace >= body.min - slack && upperPlace <= body.max + slack;
-    if (scale.kind() == ScaleKind::Linear && (isInBody || !hasOutliers()) && binWidth() > 0.0)
+    if (scale.kind() == ScaleKind::Linear && (isInBody || !hasOutliers()) && binWidth() > 0.0 &&
+        std::isfinite(binWidth()))
         return bodyOutline(lowerPlace, upperPlace, columns);
     return cellOutline(scale, lowerPlace, upperPlace, columns);
 }

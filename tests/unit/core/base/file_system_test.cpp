@@ -194,6 +194,21 @@ TEST(AtomicFile, WritesThroughSymbolicLinks) {
     EXPECT_TRUE(fs::is_symlink(folder / "direct"));
 }
 
+TEST(AtomicFile, KeepsThePermissionsOfTheFileThatItReplaces) {
+    namespace fs = std::filesystem;
+    const TemporaryFolder folder;
+    const fs::path path = folder.write("out", "old");
+    constexpr auto kOfOwner = fs::perms::owner_read | fs::perms::owner_write;
+    for (const fs::perms wanted : {kOfOwner, kOfOwner | fs::perms::group_read, kOfOwner | fs::perms::owner_exec}) {
+        fs::permissions(path, wanted);
+        auto file = AtomicFile::create(path);
+        ASSERT_TRUE(file.isOk());
+        EXPECT_EQ(fs::status(folder / "out.partial").permissions(), wanted);
+        ASSERT_TRUE(file.value()->publish().isOk());
+        EXPECT_EQ(fs::status(path).permissions(), wanted);
+    }
+}
+
 TEST(AtomicFile, RefusesLinksInACircle) {
     const TemporaryFolder folder;
     std::filesystem::create_symlink("b", folder / "a");

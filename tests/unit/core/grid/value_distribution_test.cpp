@@ -155,6 +155,14 @@ TEST(ValueDistribution, OfAConstantHasOneValue) {
     EXPECT_EQ(bodyCount(found), 100u);
 }
 
+// The difference of its ends is infinite.
+TEST(ValueDistribution, OfTheWidestRangeHasABody) {
+    const auto found = distributionOfRow<double>(ScalarType::F64, {-1e308, 0.0, 0.5e308, 1e308});
+    EXPECT_EQ(found.counted(), 4u);
+    EXPECT_EQ(bodyCount(found), 4u);
+    EXPECT_EQ(found.spacing, 0.0);
+}
+
 TEST(ValueDistribution, WideWholeNumbersKeepTheirEnds) {
     std::vector<std::int32_t> values;
     for (int i = 0; i < 100'000; ++i)

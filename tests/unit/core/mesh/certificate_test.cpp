@@ -209,6 +209,13 @@ TEST(Certificate, HoldsVerticesOffATie) {
               "6, held off grid points, by at most 0.00048828125 cells (0.00146484375 units)");
 }
 
+TEST(Certificate, SaysThatVerticesOfMergedCellsAreOnActiveEdges) {
+    SurfaceSource source{"tie", 0};
+    source.merging = "within 1 cell";
+    EXPECT_TRUE(valueOf(certify(lonePoint(1.0), source), "nudged vertices")
+                    .starts_with("6, held off grid points and on active grid edges, by at most 0.0004"));
+}
+
 TEST(Certificate, StatesAreaVolumeAndNudgeInTheUnitOfLength) {
     for (const auto& [unit, name] : {std::pair("", "units"), std::pair("mm", "mm"), std::pair("Å", "angstrom")}) {
         const auto certificate = certify(lonePoint(1.0), {"tie", 0, unit});

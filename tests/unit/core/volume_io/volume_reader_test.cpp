@@ -1,5 +1,8 @@
 #include "core/volume_io/volume_reader.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -135,6 +138,44 @@ TEST(VolumeReader, ReadsRawOfEveryTypeAndByteOrder) {
         options.raw = RawLayout{{1, 2, 2}, type};
         EXPECT_THAT(readVolume(folder.write("b.raw", std::string(4 * scalarTypeSizeBytes(type), '\0')), options),
                     test::IsOk());
+    }
+}
+
+// Whole numbers and halves as floats are next to zero in the wrong byte order, all of them, and so smooth.
+TEST(VolumeReader, DoubtsTheByteOrderOnlyWhereTheOtherOneHasUsualNumbers) {
+    const TemporaryFolder folder;
+    constexpr int kSide = 16;
+    const auto notesOn = [&](auto valueAt, ScalarType type, bool isBigEndian, bool isToldSo) {
+        using Sample = decltype(valueAt(0));
+        std::string bytes;
+        for (int i = 0; i < kSide * kSide * kSide; ++i) {
+            auto sample = std::bit_cast<std::array<char, sizeof(Sample)>>(valueAt(i));
+            if (isBigEndian != (std::endian::native == std::endian::big))
+                std::reverse(sample.begin(), sample.end());
+            bytes.append(sample.begin(), sample.end());
+        }
+        ReadOptions options;
+        options.raw = RawLayout{{kSide, kSide, kSide}, type, {1, 1, 1}, 0, isToldSo};
+        const auto source = openVolume(folder.write("a.raw", bytes), options);
+        EXPECT_THAT(source, test::IsOk());
+        return source.value()->info().notes.size();
+    };
+    const auto waveAt = [](int i) { return std::sin(0.05f * static_cast<float>(i)); };
+    const auto wholeAt = [&](int i) { return std::round(1000.0f * waveAt(i)); };
+    const auto maskAt = [&](int i) { return waveAt(i) > 0.3f ? 1.0 : 0.0; };
+    const auto doubleAt = [&](int i) { return static_cast<double>(waveAt(i)); };
+    const auto shortAt = [&](int i) { return static_cast<std::int16_t>(1000.0f * waveAt(i)); };
+    for (const bool isBigEndian : {false, true}) {
+        SCOPED_TRACE(isBigEndian);
+        EXPECT_EQ(notesOn(waveAt, ScalarType::F32, isBigEndian, isBigEndian), 0u);
+        EXPECT_EQ(notesOn(wholeAt, ScalarType::F32, isBigEndian, isBigEndian), 0u);
+        EXPECT_EQ(notesOn(maskAt, ScalarType::F64, isBigEndian, isBigEndian), 0u);
+        EXPECT_EQ(notesOn(doubleAt, ScalarType::F64, isBigEndian, isBigEndian), 0u);
+        EXPECT_EQ(notesOn(shortAt, ScalarType::I16, isBigEndian, isBigEndian), 0u);
+        EXPECT_EQ(notesOn(waveAt, ScalarType::F32, isBigEndian, !isBigEndian), 1u);
+        EXPECT_EQ(notesOn(wholeAt, ScalarType::F32, isBigEndian, !isBigEndian), 1u);
+        EXPECT_EQ(notesOn(doubleAt, ScalarType::F64, isBigEndian, !isBigEndian), 1u);
+        EXPECT_EQ(notesOn(shortAt, ScalarType::I16, isBigEndian, !isBigEndian), 1u);
     }
 }
 

@@ -170,6 +170,19 @@ TEST(HistogramView, FindsSamplesToSnapTo) {
     EXPECT_FALSE(viewOf(ScalarType::F32, noiseWithOutliers()).nearestSample(50.0)) << "of so many none is worth it";
 }
 
+// The axis cannot show so little, and keeps what it has.
+TEST(HistogramView, ValuesNextToZeroAreOneColumn) {
+    for (const double scale : {1e-300, 1e-306, 1e-310}) {
+        std::vector<double> values;
+        for (int i = 0; i < 5000; ++i)
+            values.push_back(scale * std::sin(0.37 * i));
+        const auto outline = viewOf(ScalarType::F64, values).outline(ValueScale(), 0.0, 5.0, 400);
+        EXPECT_GT(sum(outline.counts), 0.0) << scale;
+    }
+    const auto widest = viewOf(ScalarType::F64, std::vector<double>{-1e308, 0.0, 0.5e308, 1e308});
+    EXPECT_EQ(widest.outline(ValueScale(), -1.0, 1.0, 100).counts.size(), 100u);
+}
+
 TEST(HistogramView, OfNothingShowsNothing) {
     const HistogramView view;
     EXPECT_TRUE(view.outline(ValueScale(), 0.0, 1.0, 100).counts.empty());
