@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/base/folders.h"
+#include "core/base/plain_text.h"
 #include "core/grid/volume_statistics.h"
 #include "core/index/index_distribution.h"
 #include "core/topology/stored_topology.h"
@@ -245,6 +246,15 @@ std::string displayName(const OpenRequest& request) {
     }
     const auto name = request.path.filename().string();
     return name.empty() ? request.path.parent_path().filename().string() : name;
+}
+
+std::string fileStem(const Dataset& dataset) {
+    if (dataset.path.empty())
+        return dataset.name; // the title of a built-in sample
+    fs::path name = dataset.name;
+    if (lowerCase(name.extension().string()) == ".gz")
+        name = name.stem();
+    return name.stem().string();
 }
 
 Result<LoadedDataset> loadDataset(const OpenRequest& request, const IndexCache& cache, const SampleLoader& samples,

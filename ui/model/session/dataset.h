@@ -98,6 +98,8 @@ std::string layoutText(const io::ReadOptions& options);
 bool isIndexFile(const std::filesystem::path& path);
 /// The name to show for a request before anything is read.
 std::string displayName(const OpenRequest& request);
+/// What the names of files made from it begin with: its name without suffix, as in "brain" of brain.nii.gz.
+std::string fileStem(const Dataset& dataset);
 
 /// What the index states of its volume takes the place of what was known before.
 void adoptIndex(Dataset& dataset, const index::IndexInfo& info);

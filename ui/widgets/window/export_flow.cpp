@@ -140,7 +140,7 @@ void ExportFlow::ask(const QString& title, const QString& addition, const model:
 }
 
 QString ExportFlow::suggestedPath(const QString& addition) const {
-    const QString stem = QFileInfo(QString::fromStdString(session_.dataset()->name)).completeBaseName();
+    const QString stem = QString::fromStdString(model::fileStem(*session_.dataset()));
     const QString name =
         QStringLiteral("%1_%2%3.ply").arg(stem).arg(session_.isovalue().requested(), 0, 'g', 6).arg(addition);
     const QString folder = parts_.settings.text("files/exportFolder");

@@ -47,7 +47,7 @@ void PictureFlow::ask() {
 void PictureFlow::askName(const PictureChoice& choice) {
     if (session_.dataset() == nullptr) // closed meanwhile
         return;
-    const QString stem = QFileInfo(QString::fromStdString(session_.dataset()->name)).completeBaseName();
+    const QString stem = QString::fromStdString(model::fileStem(*session_.dataset()));
     parts_.dialogs.askSave(window_, tr("Save View as Image"), QDir::home().filePath(stem + QStringLiteral(".png")),
                            tr("PNG image (*.png)"), [this, choice](const QString& path) { save(choice, path); });
 }

@@ -112,7 +112,7 @@ void SessionKeeper::askSave() {
     const auto* dataset = session_.dataset();
     if (dataset == nullptr)
         return;
-    const QString stem = QFileInfo(QString::fromStdString(dataset->name)).completeBaseName();
+    const QString stem = QString::fromStdString(model::fileStem(*dataset));
     const QDir folder = dataset->path.empty() ? QDir::home() : QFileInfo(textOf(dataset->path)).absoluteDir();
     const QString proposed = file_.isEmpty() ? folder.filePath(stem + QStringLiteral(".isosession")) : file_;
     dialogs_.askSave(window_, tr("Save Session"), proposed, sessionFilters(),

@@ -97,6 +97,25 @@ protected:
     Subscription subscription_;
 };
 
+TEST(Dataset, NamesOfFilesBeginWithoutTheSuffix) {
+    const auto stemOf = [](const std::string& name) {
+        Dataset dataset;
+        dataset.name = name;
+        dataset.path = "/data/" + name;
+        return fileStem(dataset);
+    };
+    EXPECT_EQ(stemOf("brain.nii.gz"), "brain");
+    EXPECT_EQ(stemOf("map.MRC.GZ"), "map");
+    EXPECT_EQ(stemOf("charges.cube.gz"), "charges");
+    EXPECT_EQ(stemOf("ball_1.5.nii.gz"), "ball_1.5");
+    EXPECT_EQ(stemOf("ball_1.5.nrrd"), "ball_1.5");
+    EXPECT_EQ(stemOf("überall.isx"), "überall");
+    EXPECT_EQ(stemOf("slices"), "slices");
+    Dataset sample;
+    sample.name = "Charges, no. 2";
+    EXPECT_EQ(fileStem(sample), sample.name);
+}
+
 TEST_F(SessionTest, ShowsASurfaceBeforeThereIsAnIndex) {
     builder_->waits = true;
     openBall();
