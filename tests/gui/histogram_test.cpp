@@ -10,6 +10,7 @@
 #include <QWheelEvent>
 
 #include "tests/gui/window_fixture.h"
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/session/saved_session.h"
 #include "ui/widgets/isovalue/histogram_plot.h"
 #include "ui/widgets/isovalue/isovalue_edit.h"
@@ -164,6 +165,23 @@ TEST_F(HistogramTest, ThePointerReadsValueCountAndShare) {
     QEvent leave(QEvent::Leave);
     QApplication::sendEvent(&plot(), &leave);
     EXPECT_FALSE(readout()->isVisible());
+}
+
+TEST_F(HistogramTest, ThePointerReadsStandardDeviationsWhereThereIsRoom) {
+    openBytes();
+    const auto& spread = plot().view().values().spread;
+    ASSERT_GT(spread.deviation, 0.0);
+    move(onPlot(150.2), Qt::NoButton);
+    const double value = plot().valueAtPixel(onPlot(150.2).x());
+    const QString deviations = QString::fromStdString(model::deviationsText(value, spread));
+    EXPECT_TRUE(readout()->text().contains(QStringLiteral("  ·  %1  ·  ").arg(deviations)))
+        << readout()->text().toStdString() << " and not " << deviations.toStdString();
+    EXPECT_FALSE(readout()->wordWrap());
+    window_->resize(420, 900);
+    QTest::qWait(50);
+    move(onPlot(150.2), Qt::NoButton);
+    EXPECT_FALSE(readout()->text().contains(QStringLiteral("σ"))) << readout()->text().toStdString();
+    EXPECT_TRUE(readout()->text().contains(QStringLiteral("% below"))) << readout()->text().toStdString();
 }
 
 // A step of the outline holds several bins where they are narrower than its columns.

@@ -6,6 +6,7 @@
 #include <QLabel>
 #include <QToolButton>
 
+#include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/widgets/common/text_colour.h"
 #include "ui/widgets/common/texts.h"
@@ -128,7 +129,7 @@ void HistogramHints::place(QToolButton& button, bool isShown, const QString& tex
     button.move(isLeft ? rect.left() + 2 : rect.right() - button.width() - 1, y - button.height() / 2);
 }
 
-QString HistogramHints::readoutText(double pixel) const {
+QString HistogramHints::readoutText(double pixel, bool statesDeviations) const {
     const double value = plot_.valueAtPixel(pixel);
     const auto readout = plot_.readoutAt(pixel);
     if (!readout)
@@ -151,11 +152,15 @@ QString HistogramHints::readoutText(double pixel) const {
     const double percent = 100.0 * readout->shareBelow;
     const int digits = percent > 99.0 && percent < 100.0 ? 3 : percent < 1.0 ? 3 : 1;
     const double shown = percent < 100.0 ? std::min(percent, 99.999) : 100.0;
-    return tr("%1  ·  %2  ·  %3 % below").arg(number(value), where, QString::number(shown, 'f', digits));
+    const QString deviations =
+        statesDeviations ? fromStd(model::deviationsText(value, plot_.view().values().spread)) : QString();
+    return tr("%1  ·  %2  ·  %3 % below")
+        .arg(deviations.isEmpty() ? number(value) : tr("%1  ·  %2").arg(number(value), deviations), where,
+             QString::number(shown, 'f', digits));
 }
 
 void HistogramHints::showReadout(double pixel) {
-    const QString text = readoutText(pixel);
+    const QString text = readoutText(pixel, true);
     readout_->setVisible(!text.isEmpty());
     if (text.isEmpty())
         return;
@@ -163,6 +168,10 @@ void HistogramHints::showReadout(double pixel) {
     const QRect rect = plot_.axisRect()->rect();
     readout_->setWordWrap(false);
     QSize size = readout_->sizeHint();
+    if (size.width() > rect.width()) { // standard deviations are the first to be left out
+        readout_->setText(readoutText(pixel, false));
+        size = readout_->sizeHint();
+    }
     if (size.width() > rect.width()) { // the labels of the axes stay legible
         readout_->setWordWrap(true);
         size = {rect.width(), readout_->heightForWidth(rect.width())};

@@ -32,7 +32,7 @@ private:
     QToolButton* makeButton(const char* name);
     void place(QToolButton& button, bool isShown, const QString& text, bool isLeft, int y);
     void placeNote();
-    QString readoutText(double pixel) const;
+    QString readoutText(double pixel, bool statesDeviations) const;
 
     HistogramPlot& plot_;
     QLabel* readout_;
