@@ -62,6 +62,37 @@ TEST_F(TopologyPanelTest, ListsTheShownEvents) {
     keepPicture(*window_, "topology_panel");
 }
 
+// The panel may be too narrow for all of them.
+TEST_F(TopologyPanelTest, ColumnsInViewAreWhole) {
+    topology().setLeastPersistence(0.0);
+    const auto* header = table_->horizontalHeader();
+    auto* dock = child<QDockWidget>("topologyDock");
+    for (const int width : {450, 360, 800}) {
+        window_->resizeDocks({dock}, {width}, Qt::Horizontal);
+        ASSERT_TRUE(waitUntil([&] { return dock->width() == width; }));
+        for (const int sorted : {widgets::TopologyTable::Persistence, widgets::TopologyTable::Isovalue}) {
+            table_->sortByColumn(sorted, Qt::AscendingOrder);
+            QTest::qWait(30);
+            const int right = table_->viewport()->width();
+            for (int column = 0; column < widgets::TopologyTable::kColumns; ++column) {
+                const int begin = header->sectionViewportPosition(column), end = begin + header->sectionSize(column);
+                EXPECT_TRUE(end <= right || begin >= right) << column << " in " << width;
+                EXPECT_GE(header->sectionSize(column),
+                          header->fontMetrics().horizontalAdvance(
+                              table_->model()->headerData(column, Qt::Horizontal).toString()));
+                if (column == widgets::TopologyTable::What)
+                    continue;
+                for (int row = 0; row < rows(); ++row)
+                    EXPECT_GE(header->sectionSize(column),
+                              table_->sizeHintForIndex(table_->model()->index(row, column)).width());
+            }
+            if (width >= 450) {
+                EXPECT_LE(header->sectionViewportPosition(widgets::TopologyTable::Tunnels), right);
+            }
+        }
+    }
+}
+
 TEST_F(TopologyPanelTest, SortsByEachColumn) {
     topology().setLeastPersistence(0.0);
     for (int column = 0; column < widgets::TopologyTable::kColumns; ++column) {

@@ -10,6 +10,7 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QProgressBar>
+#include <QResizeEvent>
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QStackedWidget>
@@ -33,7 +34,7 @@ namespace isoslider::widgets {
 namespace {
 
 constexpr int kSliderSteps = 600;
-constexpr int kLeastWhatWidth = 168;
+constexpr int kLeastWhatWidth = 150;
 constexpr int kRowsMeasured = 200; // for the widths of columns
 
 QString countText(const model::TopologyModel& topology) {
@@ -193,6 +194,8 @@ void TopologyPanel::makeTable(QWidget* page) {
     header->setMinimumSectionSize(40);
     view_->setSortingEnabled(true);
     view_->sortByColumn(TopologyTable::Isovalue, Qt::AscendingOrder);
+    view_->viewport()->installEventFilter(this);
+    connect(header, &QHeaderView::sortIndicatorChanged, this, &TopologyPanel::fitColumns);
     connect(view_, &QTableView::clicked, this, &TopologyPanel::pick);
     connect(view_, &QTableView::activated, this, &TopologyPanel::pick);
     addMenuActions();
@@ -291,21 +294,29 @@ void TopologyPanel::selectChosen() {
     view_->scrollTo(index);
 }
 
-// What happens gets the room that the numbers leave.
+// What happens gets the room that is left by as many numbers as are in view whole; the others are scrolled to.
 void TopologyPanel::fitColumns() {
-    int others = 0;
+    auto* header = view_->horizontalHeader();
+    int room = view_->viewport()->width() - kLeastWhatWidth;
+    bool isInView = true;
     for (int column = 0; column < TopologyTable::kColumns; ++column) {
         if (column == TopologyTable::What)
             continue;
+        header->setSortIndicatorShown(column == header->sortIndicatorSection()); // no room for an arrow elsewhere
         view_->resizeColumnToContents(column);
-        others += view_->columnWidth(column);
+        isInView = isInView && view_->columnWidth(column) <= room;
+        room -= isInView ? view_->columnWidth(column) : 0;
     }
-    view_->setColumnWidth(TopologyTable::What, std::max(kLeastWhatWidth, view_->viewport()->width() - others));
+    header->setSortIndicatorShown(true);
+    view_->setColumnWidth(TopologyTable::What, kLeastWhatWidth + std::max(room, 0));
 }
 
-void TopologyPanel::resizeEvent(QResizeEvent* event) {
-    QWidget::resizeEvent(event);
-    fitColumns();
+// Its scroll bar comes and goes too.
+bool TopologyPanel::eventFilter(QObject* watched, QEvent* event) {
+    if (event->type() == QEvent::Resize && watched == view_->viewport() &&
+        static_cast<QResizeEvent*>(event)->size().width() != static_cast<QResizeEvent*>(event)->oldSize().width())
+        fitColumns();
+    return QWidget::eventFilter(watched, event);
 }
 
 void TopologyPanel::changeEvent(QEvent* event) {
