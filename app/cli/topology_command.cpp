@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "core/base/folders.h"
 #include "core/base/memory_limit.h"
 #include "core/base/plain_text.h"
+#include "core/grid/classification.h"
 #include "core/topology/index_topology.h"
 #include "core/topology/stored_topology.h"
 #include "core/topology/topology_queries.h"
@@ -28,6 +30,12 @@ namespace {
 
 constexpr std::int64_t kMostEvents = std::int64_t{1} << 40;
 constexpr int kCurveSteps = 256;
+
+bool hasFiniteSample(const ScalarGrid& grid) {
+    return grid.visit([](auto values) {
+        return std::any_of(values.begin(), values.end(), [](auto sample) { return !isMissing(sample); });
+    });
+}
 
 // `areExact`, here and below: else tunnels are not known, as samples are missing.
 Json countsJson(const topology::SurfaceCounts& counts, bool areExact) {
@@ -187,6 +195,8 @@ private:
         const auto grid = io::readVolume(path_, volume_.readOptions(), reading);
         if (!grid.isOk())
             return grid.error();
+        if (!hasFiniteSample(*grid.value()))
+            return makeError(ErrorCode::InvalidArgument, "has no finite sample", path_);
         ISO_TRY(takeIsovalues(valuesOf(asked, *grid.value(), path_, job)));
         options.measures = topology::planMeasures(*grid.value());
         auto curve = topology::analyseTopology(topology::planesOf(*grid.value()), options, analysing);

@@ -282,6 +282,7 @@ TEST_F(BadRaw, B015_NothingFinite) {
         const auto volume = raw("a.raw", bytes, "4,4,4", type);
         expectRefusedSoon(joined({"info"}, volume), "no finite sample");
         expectRefusedSoon(joined(joined({"extract"}, volume), {"--isovalue", "0"}), "no finite sample");
+        expectRefusedSoon(joined(joined({"topology"}, volume), {"--at", "0"}), "no finite sample");
         for (const auto* kind : {"edges", "metacells"})
             expectRefusedSoon(joined(joined({"build"}, volume), {"-o", path("a.isx"), "--index", kind}),
                               "no finite sample");
