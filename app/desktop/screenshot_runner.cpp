@@ -64,6 +64,8 @@ void ScreenshotRunner::poll() {
 
 void ScreenshotRunner::grab() {
     timer_.stop();
+    if (const std::string note = session_.noteOnFirstIsovalue(); !note.empty())
+        std::fprintf(stderr, "isoslider: %s\n", note.c_str());
     if (path_.isEmpty())
         return end({});
     jobs_.runner().run<bool>(

@@ -372,6 +372,24 @@ TEST_F(HistogramTest, AClampedValueIsStatedUntilTheNext) {
     EXPECT_FALSE(note()->isVisible()) << note()->text().toStdString();
 }
 
+TEST_F(HistogramTest, AnIsovalueThatAVolumeIsOpenedWithIsStatedLikeATypedOne) {
+    const auto path = writeVolume<std::uint8_t>(folder_, "opened.mha", "MET_UCHAR", 16, [](double r, std::size_t) {
+        return static_cast<std::uint8_t>(200.0 - 8.0 * r);
+    });
+    window_->openFile(qpath(path), AskedIsovalue(900.0, true));
+    ASSERT_TRUE(waitUntil([&] { return session_->dataset() && session_->isSettled() && session_->frame(); }));
+    EXPECT_EQ(isovalue().requested(), isovalue().max());
+    ASSERT_TRUE(note()->isVisible());
+    EXPECT_TRUE(note()->text().contains(QStringLiteral("is above all samples; the greatest, 19")))
+        << note()->text().toStdString();
+    keep("histogram_clamped_first");
+    QTest::qWait(600); // steps are noted once the handle rests
+    EXPECT_FALSE(window_->actions().action("edit.undo")->isEnabled()) << "it is nobody's step";
+    isovalue().request(150.0);
+    ASSERT_TRUE(waitUntil([&] { return !isovalue().isLagging(); }));
+    EXPECT_FALSE(note()->isVisible()) << note()->text().toStdString();
+}
+
 TEST_F(HistogramTest, AnEmptySurfaceIsStatedWithWhatToDo) {
     openBytes();
     QTest::keyClick(&plot(), Qt::Key_Home);

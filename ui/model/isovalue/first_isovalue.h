@@ -13,7 +13,8 @@ namespace isoslider::model {
 class FirstIsovalue {
 public:
     /// Of a volume that was just opened. Without a reason it was asked for, and stays. `isBest`: it stays as well.
-    void begin(SuggestedIsovalue first, bool isBest);
+    /// `refusal`: why this is not the one asked for, which has no value.
+    void begin(SuggestedIsovalue first, bool isBest, std::string refusal = {});
     /// The handle has been moved, or the volume is gone.
     void end();
     /// It is being used: none takes its place any more. Its reason holds.
@@ -23,6 +24,8 @@ public:
     std::optional<double> isovalue() const;
     /// Empty where there is none to show.
     std::string reason() const { return first_ ? first_->reason : std::string(); }
+    /// Why it is not the one asked for, of a volume from `min` to `max`; empty if it is, or is shown no longer.
+    std::string noteOnAsked(double min, double max) const;
     bool canImprove() const { return first_ && canImprove_; }
     /// Takes the place of the first one; the handle follows. Nothing unless canImprove().
     void improve(SuggestedIsovalue better);
@@ -33,6 +36,7 @@ public:
 
 private:
     std::optional<SuggestedIsovalue> first_;
+    std::string refusal_;
     bool canImprove_ = false;
     ObserverList<> changed_;
 };

@@ -12,6 +12,7 @@
 #include "core/volume_io/sources/coarse_reader.h"
 #include "core/volume_io/sources/sample_volumes.h"
 #include "ui/model/isovalue/histogram_model.h"
+#include "ui/model/isovalue/isovalue_words.h"
 
 namespace isoslider::model {
 namespace fs = std::filesystem;
@@ -48,7 +49,9 @@ void chooseFirst(LoadedDataset& loaded, const std::optional<AskedIsovalue>& aske
     std::optional<double> wanted;
     if (asked)
         if (const auto value = asked->in(loaded.dataset.values->spread); value.isOk())
-            wanted = value.value(); // else all samples are equal: no isovalue is better than another
+            wanted = value.value();
+        else
+            loaded.refusal = kNoDeviationText; // no isovalue is better than another
     const auto best = wanted || !loaded.engine ? std::nullopt : bestOfTopology(loaded.dataset);
     loaded.isFirstBest = best.has_value();
     if (wanted)

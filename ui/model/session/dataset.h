@@ -87,6 +87,7 @@ struct LoadedDataset {
     std::unique_ptr<extract::SlideEngine> engine;
     SuggestedIsovalue first; ///< the isovalue asked for, or the best one known
     bool isFirstBest = false; ///< by its topology
+    std::string refusal; ///< why the isovalue asked for has no value; empty if it has one, or none was asked for
 };
 
 /// Most samples of a preview: what a machine reads and shows within seconds.

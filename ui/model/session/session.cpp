@@ -174,7 +174,7 @@ void Session::adopt(LoadedDataset loaded) {
     grid_ = std::move(loaded.grid);
     isovalue_.setDomain(dataset_->min, dataset_->max, loaded.first.isovalue);
     surfaces_.begin(isovalue_.requested());
-    firstIsovalue_.begin(std::move(loaded.first), loaded.isFirstBest);
+    firstIsovalue_.begin(std::move(loaded.first), loaded.isFirstBest, std::move(loaded.refusal));
     if (loaded.engine) {
         indexState_ = IndexState::Ready;
         useSource(makeIndexSource(std::move(loaded.engine)));

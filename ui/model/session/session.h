@@ -129,6 +129,10 @@ public:
     const SecondVolume& secondVolume() const { return *second_; }
     /// What the volume was opened with, until the handle moves.
     FirstIsovalue& firstIsovalue() { return firstIsovalue_; }
+    /// Why the isovalue that the volume was opened with is not the one asked for; see FirstIsovalue::noteOnAsked.
+    std::string noteOnFirstIsovalue() const {
+        return dataset_ ? firstIsovalue_.noteOnAsked(dataset_->min, dataset_->max) : std::string();
+    }
     /// Isovalues worth a look, the best first: of the histogram, and of the topology once it is known.
     std::vector<SuggestedIsovalue> suggestions() const;
     /// Moves to the best of them once the topology is known, if the first isovalue may give way to it.

@@ -7,6 +7,7 @@
 
 #include "ui/model/isovalue/deviation_text.h"
 #include "ui/model/isovalue/isovalue_model.h"
+#include "ui/model/isovalue/isovalue_words.h"
 #include "ui/model/isovalue/number_text.h"
 
 namespace isoslider::widgets {
@@ -74,7 +75,7 @@ std::optional<double> IsovalueEdit::typedValue() {
     }
     const auto value = asked->in(spread_.value_or(ValueSpread()));
     if (!value.isOk()) {
-        refuse(tr("All samples have one value: there is no standard deviation to go by"));
+        refuse(QString::fromUtf8(model::kNoDeviationText));
         return std::nullopt;
     }
     return value.value();

@@ -31,8 +31,7 @@ void IsovalueNotes::show() {
         const double min = isovalue.min(), max = isovalue.max();
         if (typed_ && std::clamp(*typed_, min, max) != isovalue.requested())
             typed_.reset();
-        if (typed_)
-            note = model::clampedText(*typed_, min, max);
+        note = typed_ ? model::clampedText(*typed_, min, max) : session_.noteOnFirstIsovalue();
         const auto frame = session_.frame();
         const bool isEmpty = frame && frame->stats.triangles == 0 && !isovalue.isLagging() && !session_.isMoving();
         if (isEmpty) {

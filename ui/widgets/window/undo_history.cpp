@@ -167,7 +167,9 @@ void UndoHistory::noteChange() {
     if (isNew_)
         last_ = capture();
     // A first isovalue that gives way to a better one is nobody's step.
-    if (const auto first = models_.session.firstIsovalue().isovalue()) {
+    if (auto first = models_.session.firstIsovalue().isovalue()) {
+        const auto& isovalue = models_.session.isovalue();
+        first = std::clamp(*first, isovalue.min(), isovalue.max()); // one asked for may be out of range
         last_.isovalue = *first;
         for (model::ListedSurface& surface : last_.surfaces.surfaces)
             if (surface.id == last_.surfaces.active)

@@ -40,6 +40,19 @@ TEST_F(FirstIsovalueTest, StaysIfItWasAskedForOrIsTheBest) {
     EXPECT_EQ(first_.reason(), "known");
 }
 
+TEST_F(FirstIsovalueTest, StatesWhyItIsNotTheOneAskedFor) {
+    EXPECT_EQ(first_.noteOnAsked(0.0, 255.0), "");
+    first_.begin({300.0, ""}, false);
+    EXPECT_EQ(first_.noteOnAsked(0.0, 255.0), "300 is above all samples; the greatest, 255, was taken");
+    EXPECT_EQ(first_.noteOnAsked(0.0, 400.0), "") << "a preview missed the end of the range";
+    first_.noteRequest(254.0);
+    EXPECT_EQ(first_.noteOnAsked(0.0, 255.0), "") << "the handle has been moved";
+    first_.begin({5.0, ""}, false, "no deviation");
+    EXPECT_EQ(first_.noteOnAsked(5.0, 5.0), "no deviation");
+    first_.begin({5.0, ""}, false);
+    EXPECT_EQ(first_.noteOnAsked(5.0, 5.0), "");
+}
+
 TEST_F(FirstIsovalueTest, EndsWhereTheHandleMoves) {
     first_.begin({3.0, "guess"}, false);
     first_.noteRequest(3.0);
