@@ -6,6 +6,7 @@
 
 #include <QRubberBand>
 
+#include "ui/model/isovalue/isovalue_words.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/isovalue/value_steps.h"
 #include "ui/widgets/common/text_colour.h"
@@ -383,7 +384,7 @@ void HistogramPlot::placeHandle() {
     requestedLine_->point2->setCoords(place, 1.0);
     displayedLine_->point1->setCoords(scale_.placeOf(displayed_), 0.0);
     displayedLine_->point2->setCoords(scale_.placeOf(displayed_), 1.0);
-    const QString text = QString::fromStdString(model::valueText(requested_, 7));
+    const QString text = QString::fromStdString(model::isovalueText(requested_, min_, max_));
     tag_->setText(text);
     tag_->position->setCoords(place, -0.01);
     // Near an end the tag leans inwards instead of being cut off.

@@ -13,6 +13,7 @@
 #include <QVBoxLayout>
 
 #include "ui/model/isovalue/deviation_text.h"
+#include "ui/model/isovalue/isovalue_words.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/icon_loader.h"
@@ -222,8 +223,8 @@ void IsovaluePanel::showDataset() {
         return plot_->clearHistogram();
     }
     range_->setText((session_.isPreview() ? tr("in %1 … %2 of the preview") : tr("in %1 … %2"))
-                        .arg(QString::fromStdString(model::valueText(dataset->min)),
-                             QString::fromStdString(model::valueText(dataset->max))));
+                        .arg(QString::fromStdString(model::isovalueText(dataset->min, dataset->min, dataset->max, 6)),
+                             QString::fromStdString(model::isovalueText(dataset->max, dataset->min, dataset->max, 6))));
     static const std::vector<std::uint64_t> kNone;
     plot_->setValues(dataset->values, dataset->index ? dataset->index->activeEdgesPerBin : kNone);
     applyStepRule();
@@ -254,7 +255,9 @@ void IsovaluePanel::beginVolume() {
 
 void IsovaluePanel::showIsovalue() {
     const auto& isovalue = session_.isovalue();
-    const auto text = [](double value) { return QString::fromStdString(model::valueText(value, 7)); };
+    const auto text = [&isovalue](double value) {
+        return QString::fromStdString(model::isovalueText(value, isovalue.min(), isovalue.max()));
+    };
     if (!isovalue.hasDomain()) {
         edit_->showNothing();
         showTips({});

@@ -10,6 +10,7 @@
 
 #include "core/volume_io/sources/coarse_reader.h"
 #include "ui/model/isovalue/deviation_text.h"
+#include "ui/model/isovalue/isovalue_words.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/widgets/common/small_widgets.h"
@@ -33,10 +34,11 @@ std::vector<Fact> sampleFactsOf(const model::Dataset& dataset, bool isPreview, b
         return isPreview ? DatasetPanel::tr("%1 in the preview").arg(text) : text;
     };
     std::vector<Fact> facts;
-    facts.push_back({DatasetPanel::tr("Values"),
-                     seen(QStringLiteral("%1 … %2").arg(fromStd(model::valueText(dataset.min, 8)),
-                                                        fromStd(model::valueText(dataset.max, 8)))),
-                     {}});
+    facts.push_back(
+        {DatasetPanel::tr("Values"),
+         seen(QStringLiteral("%1 … %2").arg(fromStd(model::isovalueText(dataset.min, dataset.min, dataset.max, 8)),
+                                            fromStd(model::isovalueText(dataset.max, dataset.min, dataset.max, 8)))),
+         {}});
     if (!dataset.values->isEmpty()) {
         const ValueSpread& spread = dataset.values->spread;
         facts.push_back({DatasetPanel::tr("Mean ± deviation"), seen(fromStd(model::spreadText(spread))),

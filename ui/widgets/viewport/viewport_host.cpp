@@ -10,6 +10,7 @@
 #include <QVBoxLayout>
 
 #include "ui/model/colouring/colour_model.h"
+#include "ui/model/isovalue/isovalue_words.h"
 #include "ui/model/isovalue/number_text.h"
 #include "ui/model/session/session.h"
 #include "ui/render/gl_support.h"
@@ -308,7 +309,9 @@ void ViewportHost::showReadout() {
     const auto* active = session_.surfaces().canRemove() ? session_.surfaces().active() : nullptr;
     QString lines = active != nullptr ? text(active->name) + QLatin1Char('\n') : QString();
     lines += (frame->region ? tr("isovalue %1\n%2 triangles about the crop box") : tr("isovalue %1\n%2 triangles"))
-                 .arg(text(model::valueText(frame->isovalue, 7)), text(model::groupedText(frame->stats.triangles)));
+                 .arg(text(dataset != nullptr ? model::isovalueText(frame->isovalue, dataset->min, dataset->max)
+                                              : model::valueText(frame->isovalue, 7)),
+                      text(model::groupedText(frame->stats.triangles)));
     if (frame->mergeBound.limit > 0.0 && dataset != nullptr)
         lines +=
             tr(", error %1")

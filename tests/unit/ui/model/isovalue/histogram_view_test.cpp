@@ -202,6 +202,12 @@ TEST(FirstIsovalue, IsARoundNumberAmongTheUsualValues) {
 }
 
 TEST(ClampedText, NamesWhatWasAskedAndWhatWasTaken) {
+    EXPECT_EQ(isovalueText(101325.0002, 101324.997, 101325.003), "101325.0002");
+    EXPECT_EQ(isovalueText(101324.997, 101324.997, 101325.003, 6), "101324.997");
+    EXPECT_EQ(isovalueText(1016.53127, 950.0, 1050.0), "1016.531") << "as before";
+    EXPECT_EQ(isovalueText(1.0 / 3.0, -1024.0, 3071.0), "0.3333333");
+    EXPECT_EQ(isovalueText(5.0, 5.0, 5.0), "5");
+    EXPECT_EQ(isovalueText(1.0, -1.7e308, 1.7e308), "1");
     EXPECT_EQ(clampedText(1e9, 0.0, 255.0), "1000000000 is above all samples; the greatest, 255, was taken");
     EXPECT_EQ(clampedText(-1.5, 0.0, 255.0), "-1.5 is below all samples; the least, 0, was taken");
     EXPECT_EQ(clampedText(7.0, 0.0, 255.0), "");
