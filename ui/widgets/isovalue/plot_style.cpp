@@ -1,5 +1,6 @@
 #include "ui/widgets/isovalue/plot_style.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -19,6 +20,8 @@ QString compactLabel(double tick) {
     static const QRegularExpression zeros(QStringLiteral("\\.0+(?!\\d)|(\\.\\d*[1-9])0+(?!\\d)"));
     return QString(text).replace(zeros, QStringLiteral("\\1"));
 }
+
+double wholeStep(double step) { return std::max(1.0, std::floor(step)); }
 
 bool isDark(const QPalette& palette) { return palette.color(QPalette::Base).lightness() < 128; }
 
@@ -82,6 +85,8 @@ void styleAxis(QCPAxis* axis, const QPalette& palette) {
     axis->setNumberPrecision(6);
 }
 
+double CompactTicker::getTickStep(const QCPRange& range) { return wholeStep(QCPAxisTicker::getTickStep(range)); }
+
 QString CompactTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
 void ScaleTicker::generate(const QCPRange& range, const QLocale&, QChar, int, QVector<double>& ticks,
                            QVector<double>* subTicks, QVector<QString>* tickLabels) {
@@ -96,6 +101,8 @@ void ScaleTicker::generate(const QCPRange& range, const QLocale&, QChar, int, QV
             tickLabels->append(QString::fromStdString(tick.label));
     }
 }
+
+double CompactLogTicker::getTickStep(const QCPRange& range) { return wholeStep(QCPAxisTickerLog::getTickStep(range)); }
 
 QString CompactLogTicker::getTickLabel(double tick, const QLocale&, QChar, int) { return compactLabel(tick); }
 

@@ -30,6 +30,7 @@ public:
     CompactTicker() { setTickCount(4); }
 
 protected:
+    double getTickStep(const QCPRange& range) override; ///< a whole number, as counts are
     QString getTickLabel(double tick, const QLocale& locale, QChar formatChar, int precision) override;
 };
 
@@ -46,6 +47,7 @@ private:
 
 class CompactLogTicker : public QCPAxisTickerLog {
 protected:
+    double getTickStep(const QCPRange& range) override; ///< of a range of few decades, whose ticks are linear
     QString getTickLabel(double tick, const QLocale& locale, QChar formatChar, int precision) override;
 };
 
