@@ -10,6 +10,7 @@ FirstIsovalueNote::FirstIsovalueNote(model::Session& session, model::ViewState& 
     setObjectName(QStringLiteral("firstIsovalueNote"));
     subscriptions_.push_back(session_.firstIsovalue().changed().observe([this] { showReason(); }));
     subscriptions_.push_back(session_.isovalue().observe([this] { showReason(); }));
+    subscriptions_.push_back(session_.frameChanged().observe([this] { showReason(); }));
     subscriptions_.push_back(session_.datasetChanged().observe([this] { showReason(); }));
     subscriptions_.push_back(options_.observe([this] { showReason(); }));
     showReason();
@@ -19,8 +20,10 @@ FirstIsovalueNote::FirstIsovalueNote(model::Session& session, model::ViewState& 
 void FirstIsovalueNote::showReason() {
     const auto& isovalue = session_.isovalue();
     const std::string reason = session_.firstIsovalue().reason();
-    const bool isWanted =
-        !reason.empty() && isovalue.hasDisplayed() && !isovalue.isLagging() && options_.options().showsReadout;
+    const auto frame = session_.frame();
+    const bool isEmpty = frame && frame->stats.triangles == 0 && !frame->region;
+    const bool isWanted = !reason.empty() && !isEmpty && isovalue.hasDisplayed() && !isovalue.isLagging() &&
+                          options_.options().showsReadout;
     say(isWanted ? tr("Isovalue %1").arg(QString::fromStdString(model::suggestionText({isovalue.requested(), reason})))
                  : QString());
 }
