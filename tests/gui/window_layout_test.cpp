@@ -16,7 +16,6 @@
 #include <QScrollBar>
 #include <QStyle>
 #include <QStyleFactory>
-#include <QTabBar>
 #include <QTableView>
 #include <QTest>
 
@@ -89,27 +88,6 @@ TEST_F(WindowLayoutTest, PanelsGetTheirWidthBack) {
     window_->restoreLayout();
     resizeTo(1500, 1000);
     EXPECT_NEAR(panelWidth(), wanted, 2) << "as it was saved";
-}
-
-TEST_F(WindowLayoutTest, PanelsLeaveTheViewMostOfANarrowWindow) {
-    openBall();
-    resizeTo(1600, 1000);
-    const int width = panelWidth();
-    resizeTo(900, 600);
-    EXPECT_LT(panelWidth(), 0.43 * 900);
-    for (const auto* tabs : window_->findChildren<QTabBar*>())
-        if (tabs->parent() == window_.get() && tabs->isVisible()) { // those of the panels
-            EXPECT_GE(tabs->width(), tabs->sizeHint().width()) << "no tab is cut off";
-        }
-    keepPicture(*window_, "panels_narrow");
-    resizeTo(1600, 1000);
-    EXPECT_EQ(panelWidth(), width);
-    resizeTo(900, 600);
-    dragPanelEdge(-60);
-    const int wanted = panelWidth();
-    ASSERT_GT(wanted, 0.45 * 900);
-    resizeTo(920, 600);
-    EXPECT_EQ(panelWidth(), wanted) << "as it was dragged";
 }
 
 TEST_F(WindowLayoutTest, TheHistogramGetsItsHeightBack) {

@@ -18,8 +18,6 @@ constexpr QSize kRoomForPanels(760, 430);
 constexpr int kHistogramHeight = 110;
 constexpr int kLowHistogramHeight = 40;
 constexpr double kMostOfHeight = 0.45; // of the window, that the isovalue's panel gets back
-constexpr double kMostOfWidth = 0.42; // of the window, that panels beside the view take without being asked to
-constexpr int kTabsWidth = 380; // that the tabs of the panels need
 constexpr int kSettleMs = 50;
 
 } // namespace
@@ -75,15 +73,12 @@ void CompactLayout::restart() {
     wereOnTop_.clear();
     isCompact_ = false;
     fit();
-    if (isCompact_) // what its panels were squeezed to was saved
-        return;
-    extents_.clear();
-    areWidthsChosen_ = true;
+    if (!isCompact_) // of a small window, what its panels were squeezed to was saved
+        extents_.clear();
 }
 
 void CompactLayout::setExtents(const std::map<QDockWidget*, int>& extents) {
     extents_ = extents;
-    areWidthsChosen_ = false;
     restoreExtents();
 }
 
@@ -109,7 +104,6 @@ void CompactLayout::noteExtents() {
         });
         if (!hasChanged)
             continue;
-        areWidthsChosen_ = areWidthsChosen_ || !isHeight;
         std::erase_if(extents_, isOfThese);
         std::copy_if(present.begin(), present.end(), std::inserter(extents_, extents_.end()), isOfThese);
     }
@@ -134,7 +128,6 @@ void CompactLayout::restoreExtents() {
         return;
     if (extents_.empty())
         extents_ = presentExtents();
-    const int mostWidth = std::max(kTabsWidth, static_cast<int>(kMostOfWidth * window_.width()));
     QList<QDockWidget*> panels;
     QList<int> widths;
     for (const auto& [panel, extent] : extents_) {
@@ -144,7 +137,7 @@ void CompactLayout::restoreExtents() {
                 window_.resizeDocks({panel}, {std::min(extent, most)}, Qt::Vertical);
         } else if (isBesideView(*panel)) {
             panels << panel;
-            widths << (areWidthsChosen_ ? extent : std::min(extent, mostWidth));
+            widths << extent;
         }
     }
     if (!panels.isEmpty())

@@ -23,8 +23,7 @@ public:
                   QWidget& histogram);
     /// The panels are where a saved layout has put them: what was hidden before does not matter any more.
     void restart();
-    /// Gives panels beside the view these widths, and the isovalue's this height, now or when there is room. Until the
-    /// mouse or a saved layout gives them others, panels are narrower in a window that is.
+    /// Gives panels beside the view these widths, and the isovalue's this height, now or when there is room.
     void setExtents(const std::map<QDockWidget*, int>& extents);
 
 protected:
@@ -48,7 +47,6 @@ private:
     std::vector<QPointer<QDockWidget>> hidden_;
     std::vector<QPointer<QDockWidget>> wereOnTop_; ///< of those hidden, the ones whose tab was current
     std::map<QDockWidget*, int> extents_; ///< as setExtents() has them, where there is room for them
-    bool areWidthsChosen_ = false; ///< by the mouse or a saved layout
     std::map<QDockWidget*, int> pressedExtents_; ///< when a mouse button was pressed
     bool isPressed_ = false; ///< a mouse button, on the window itself: a line between panels, it may be
     bool isCompact_ = false;

@@ -234,8 +234,8 @@ void MainWindow::resetLayout() {
 
 void MainWindow::restoreLayout() {
     restoreGeometry(settings_.bytes("window/geometry"));
-    if (restoreState(settings_.bytes("window/state"), kLayoutVersion))
-        compactLayout_->restart();
+    restoreState(settings_.bytes("window/state"), kLayoutVersion);
+    compactLayout_->restart();
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {
