@@ -21,18 +21,17 @@ TEST_F(ProgramTest, StatesThatAnIsovalueIsNotTheOneAskedFor) {
     const auto volume = writeBall(folder_, "ball.mha", 20).string();
     const auto above = run({volume, "--isovalue", "900 sigma", "--screenshot", picture});
     EXPECT_EQ(above.exitCode, 0);
-    expectOneLine(above.standardError);
     EXPECT_NE(above.standardError.find("is above all samples; the greatest, "), std::string::npos)
         << above.standardError;
     const auto flat = folder_.write("flat.mha", "NDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n"
                                                 "ElementDataFile = LOCAL\n" +
                                                     std::string(64, '\5'));
     const auto none = run({flat.string(), "--isovalue", "1 sigma", "--screenshot", picture});
-    expectOneLine(none.standardError);
     EXPECT_NE(none.standardError.find("isoslider: All samples have one value"), std::string::npos)
         << none.standardError;
-    EXPECT_EQ(run({flat.string(), "--isovalue", "5", "--screenshot", picture}).standardError.find("isoslider: "),
-              std::string::npos);
+    const auto taken = run({flat.string(), "--isovalue", "5", "--screenshot", picture}).standardError;
+    EXPECT_EQ(taken.find("was taken"), std::string::npos) << taken;
+    EXPECT_EQ(taken.find("one value"), std::string::npos) << taken;
 }
 
 TEST_F(ProgramTest, OpensOneVolumeOfSeveral) {
