@@ -14,6 +14,15 @@
 namespace isoslider::io {
 namespace {
 
+template <class Sample>
+Sample sampleAt(std::span<const std::byte> bytes, std::size_t i, bool isSwapped) {
+    std::array<std::byte, sizeof(Sample)> sample;
+    std::copy_n(bytes.data() + i * sizeof(Sample), sizeof(Sample), sample.begin());
+    if (isSwapped)
+        std::reverse(sample.begin(), sample.end());
+    return std::bit_cast<Sample>(sample);
+}
+
 /// Mean difference of neighbouring samples as places in the order of their type, whose size plays no part. Enough to
 /// distinguish one byte order from the other of the same samples. The window, which ranks types, dims and offsets
 /// against each other, needs a measure that is the same for all of these: ui/model/opening/raw_smoothness.h.
@@ -22,11 +31,7 @@ double roughness(std::span<const std::byte> bytes, bool isSwapped) {
     double sum = 0.0, before = 0.0;
     const std::size_t count = bytes.size() / sizeof(Sample);
     for (std::size_t i = 0; i < count; ++i) {
-        std::array<std::byte, sizeof(Sample)> sample;
-        std::copy_n(bytes.data() + i * sizeof(Sample), sizeof(Sample), sample.begin());
-        if (isSwapped)
-            std::reverse(sample.begin(), sample.end());
-        const auto place = static_cast<double>(keyOf(std::bit_cast<Sample>(sample)));
+        const auto place = static_cast<double>(keyOf(sampleAt<Sample>(bytes, i, isSwapped)));
         sum += i > 0 ? std::abs(place - before) : 0.0;
         before = place;
     }
@@ -40,12 +45,8 @@ bool areOrdinary(std::span<const std::byte> bytes, bool isSwapped) {
     if constexpr (std::is_floating_point_v<Sample>) {
         constexpr std::size_t kOneInSoMany = 10;
         std::size_t other = 0, strange = 0;
-        for (std::size_t at = 0; at + sizeof(Sample) <= bytes.size(); at += sizeof(Sample)) {
-            std::array<std::byte, sizeof(Sample)> sample;
-            std::copy_n(bytes.data() + at, sizeof(Sample), sample.begin());
-            if (isSwapped)
-                std::reverse(sample.begin(), sample.end());
-            const auto value = std::bit_cast<Sample>(sample);
+        for (std::size_t i = 0; i < bytes.size() / sizeof(Sample); ++i) {
+            const auto value = sampleAt<Sample>(bytes, i, isSwapped);
             other += value != Sample(0);
             strange += value != Sample(0) && !std::isnormal(value);
         }
@@ -55,7 +56,7 @@ bool areOrdinary(std::span<const std::byte> bytes, bool isSwapped) {
     }
 }
 
-/// A note where the other byte order makes the samples far smoother. Looks at the middle of the file.
+/// A note where the other byte order makes the samples far smoother, or usual numbers. Looks at the middle of the file.
 std::optional<std::string> byteOrderDoubt(const RandomAccessFile& file, const RawLayout& layout,
                                           std::uint64_t samples) {
     constexpr std::uint64_t kBytes = std::uint64_t{1} << 16;
